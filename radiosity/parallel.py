@@ -1,0 +1,71 @@
+"""Blocks of rows over threads: the one place where work is shared out.
+
+The kernels release the interpreter's lock, so plain threads are enough. Blocks are cut by the caller,
+never by the number of threads, and each writes to its own rows: results cannot depend on who did what.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Value = TypeVar("Value")
+
+
+def thread_count(threads: int | None = None) -> int:
+    """How many threads to use: as many as asked for, else as this process may run on.
+
+    Raises
+    ------
+    ValueError
+        If `threads` is below one.
+    """
+    if threads is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+    if threads < 1:
+        raise ValueError(f"threads is {threads}; give at least 1, or None for all processors")
+    return threads
+
+
+def blocks(count: int, size: int) -> list[tuple[int, int]]:
+    """Half-open ranges (begin, end) of at most `size` that cover 0 … count.
+
+    >>> blocks(5, 2)
+    [(0, 2), (2, 4), (4, 5)]
+    """
+    return [(begin, min(begin + size, count)) for begin in range(0, count, size)]
+
+
+def ordered_map(
+    function: Callable[[Item], Value],
+    items: Sequence[Item],
+    threads: int | None = None,
+    executor: Executor | None = None,
+) -> Iterator[Value]:
+    """Apply a function to items on threads, giving values in the order of the items.
+
+    At most twice as many items as threads are under way, so that finished values do not pile up. On an
+    interrupt, or when the caller stops early, what has not begun is dropped.
+    """
+    count = thread_count(threads)
+    if executor is None and (count == 1 or len(items) < 2):
+        yield from map(function, items)
+        return
+    pool = executor or ThreadPoolExecutor(count)
+    pending: list[Future[Value]] = []
+    waiting = iter(items)
+    try:
+        for item in waiting:
+            pending.append(pool.submit(function, item))
+            if len(pending) >= 2 * count:
+                yield pending.pop(0).result()
+        while pending:
+            yield pending.pop(0).result()
+    finally:
+        for future in pending:
+            future.cancel()
+        if executor is None:
+            pool.shutdown(wait=True, cancel_futures=True)

@@ -1,0 +1,266 @@
+"""What a scene is: surfaces with one material each, and the sky outside.
+
+Everything is checked when it is made, so that whoever holds a `Scene` holds a valid one. Arrays are
+read-only; to change a scene, make a new one (`dataclasses.replace` works).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import GeometryError, MaterialError, SceneError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def _frozen(values: ArrayLike, dtype: Any) -> NDArray[Any]:
+    """A read-only copy, so that what was valid once stays valid."""
+    array = np.array(values, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
+def _per_channel(values: ArrayLike, what: str) -> FloatArray:
+    try:
+        array = _frozen(np.atleast_1d(values), np.float64)
+    except (TypeError, ValueError) as error:
+        raise MaterialError(f"{what} is {values!r}; give one number per channel") from error
+    if array.ndim != 1 or array.size == 0:
+        raise MaterialError(f"{what} has shape {array.shape}; give one number per channel, shape (C,)")
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """How a surface reflects, absorbs and emits light: diffuse, one number per channel.
+
+    Give either `reflectance` or `absorptance`; that one is kept to the last digit and the other is
+    derived. (An absorptance of 1e-12 cannot be recovered from a reflectance of 1 - 1e-12.)
+    Values are checked when the material is put on a surface, so that the message can name it.
+
+    Parameters
+    ----------
+    reflectance : array_like (C,), optional
+        Share ρ of the arriving light that leaves again, in [0, 1].
+    absorptance : array_like (C,), optional
+        Share α = 1 - ρ of the arriving light that stays.
+    emission : array_like (C,), optional
+        Exitance E that the surface emits by itself, W/m². Files speak of radiance: E = π × radiance.
+    two_sided : bool, optional
+        Both sides reflect and emit. A one-sided face has a black, opaque back.
+    name : str, optional
+        The name the material has in a file.
+
+    Attributes
+    ----------
+    given : {"reflectance", "absorptance"}
+        Which of the two was given, and so is exact.
+
+    Raises
+    ------
+    MaterialError
+        If both or neither of reflectance and absorptance are given, or a shape is not (C,).
+
+    Examples
+    --------
+    >>> Material(reflectance=[0.63, 0.065, 0.05]).absorptance
+    array([0.37 , 0.935, 0.95 ])
+    >>> Material(absorptance=1e-12).given
+    'absorptance'
+    """
+
+    reflectance: FloatArray = None  # type: ignore[assignment]  # always an array once made
+    absorptance: FloatArray = None  # type: ignore[assignment]
+    emission: FloatArray = 0.0  # type: ignore[assignment]
+    two_sided: bool = False
+    name: str = ""
+    given: str = field(init=False, default="reflectance")
+
+    def __post_init__(self) -> None:
+        if (self.reflectance is None) == (self.absorptance is None):
+            raise MaterialError("give either reflectance or absorptance of a material, and not both")
+        given = "absorptance" if self.reflectance is None else "reflectance"
+        value = _per_channel(getattr(self, given), given)
+        derived = "reflectance" if given == "absorptance" else "absorptance"
+        object.__setattr__(self, "given", given)
+        object.__setattr__(self, given, value)
+        object.__setattr__(self, derived, _frozen(1.0 - value, np.float64))
+        emission = _per_channel(self.emission, "emission")
+        channels = max(value.size, emission.size)
+        if {value.size, emission.size} - {1, channels}:
+            raise MaterialError(
+                f"{given} has {value.size} channels and emission {emission.size}; give as many to both, or one for all"
+            )
+        if emission.size != channels:
+            emission = _frozen(np.full(channels, emission[0]), np.float64)
+        object.__setattr__(self, "emission", emission)
+
+    @property
+    def channels(self) -> int:
+        """Number of channels C that the values are given for; 1 serves any number."""
+        return max(self.reflectance.size, self.emission.size)
+
+    def problems(self) -> list[str]:
+        """Values that no surface can have, one sentence each (empty if there are none)."""
+        found = []
+        value = getattr(self, self.given)
+        for c in np.flatnonzero(~((value >= 0.0) & (value <= 1.0))):
+            found.append(f"{self.given} {value[c]:g} in channel {c} is outside [0, 1]")
+        for c in np.flatnonzero(~((self.emission >= 0.0) & np.isfinite(self.emission))):
+            found.append(f"emission {self.emission[c]:g} W/m² in channel {c} is negative or not finite")
+        return found
+
+
+def _some(indices: NDArray[Any], limit: int = 5) -> str:
+    """The first few of many places, for a message."""
+    shown = ", ".join(str(i) for i in indices[:limit])
+    return shown + (f" … ({len(indices)} in all)" if len(indices) > limit else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A named part of a scene with one material.
+
+    Parameters
+    ----------
+    name : str
+        Unique in its scene.
+    vertices : array_like (V, 3)
+        Metres. May be shared with other surfaces; vertices that no face uses are allowed.
+    faces : array_like of int (M, 3) or (M, 4)
+        Triangles or quads, counter-clockwise seen from the front; -1 in the last column pads a triangle.
+    material : Material
+
+    Raises
+    ------
+    GeometryError
+        Vertices that are not finite, indices out of range, no faces.
+    MaterialError
+        Reflectance or absorptance outside [0, 1], emission negative or not finite.
+    """
+
+    name: str
+    vertices: FloatArray
+    faces: IntArray
+    material: Material
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise SceneError(f"a surface is named {self.name!r}; give it a name, so that messages can speak of it")
+        where = f"surface {self.name!r}"
+        try:
+            vertices = _frozen(self.vertices, np.float64)
+            faces = np.array(self.faces)
+        except (TypeError, ValueError) as error:
+            raise GeometryError(f"{where}: vertices and faces must be arrays of numbers: {error}") from error
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise GeometryError(f"{where}: vertices have shape {vertices.shape}; give (V, 3)")
+        if faces.ndim != 2 or faces.shape[1] not in (3, 4):
+            raise GeometryError(f"{where}: faces have shape {faces.shape}; give (M, 3) triangles or (M, 4) quads")
+        if faces.shape[0] == 0:
+            raise GeometryError(f"{where} has no faces; leave it out of the scene")
+        if not np.issubdtype(faces.dtype, np.integer):
+            raise GeometryError(f"{where}: faces are {faces.dtype}; give integer indices into vertices")
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", _frozen(faces, np.int64))
+        if problems := self._geometry_problems():
+            raise GeometryError(f"{where}: " + "; ".join(problems))
+        if not isinstance(self.material, Material):
+            raise MaterialError(f"{where}: material is {self.material!r}; give a Material")
+        if problems := self.material.problems():
+            raise MaterialError(f"{where}: " + "; ".join(problems))
+
+    def _geometry_problems(self) -> list[str]:
+        found = []
+        bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
+        if bad.size:
+            found.append(f"vertices are not finite: {_some(bad)}; mend the file or leave them out")
+        lowest = np.zeros(self.faces.shape[1], dtype=np.int64)
+        if self.faces.shape[1] == 4:
+            lowest[3] = -1  # -1 pads a triangle
+        outside = (self.faces < lowest) | (self.faces >= len(self.vertices))
+        bad = np.flatnonzero(outside.any(axis=1))
+        if bad.size:
+            index = self.faces[bad[0]][outside[bad[0]]][0]
+            found.append(f"index {index} is outside 0 … {len(self.vertices) - 1} in faces {_some(bad)}")
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Surfaces and the sky around them.
+
+    Parameters
+    ----------
+    surfaces : sequence of Surface
+    sky : array_like (C,), optional
+        Radiance of everything outside, W/(m² sr); black by default.
+    name : str, optional
+    closed : bool or None, optional
+        Whether no light can escape. None: found out from the mesh. In a closed scene a ray that hits
+        nothing is a leak, not sky.
+
+    Raises
+    ------
+    SceneError
+        No surfaces, two surfaces of one name, different numbers of channels, a sky that is negative or not finite.
+
+    Examples
+    --------
+    >>> floor = Surface("floor", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]], Material(0.5))
+    >>> Scene([floor], sky=[1.0]).channels
+    1
+    """
+
+    surfaces: tuple[Surface, ...]
+    sky: FloatArray = 0.0  # type: ignore[assignment]  # always an array once made
+    name: str = "scene"
+    closed: bool | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "surfaces", tuple(self.surfaces))
+        object.__setattr__(self, "sky", _per_channel(self.sky, "sky"))
+        self.validate()
+        if self.sky.size != self.channels:
+            object.__setattr__(self, "sky", _frozen(np.full(self.channels, self.sky[0]), np.float64))
+
+    @property
+    def channels(self) -> int:
+        """Number of channels C (3 for RGB)."""
+        return max([surface.material.channels for surface in self.surfaces] + [self.sky.size])
+
+    @property
+    def surface_names(self) -> tuple[str, ...]:
+        """Names in the order of `surfaces`; `Patches.surface` indexes them."""
+        return tuple(surface.name for surface in self.surfaces)
+
+    def validate(self) -> None:
+        """Check the scene as a whole; its surfaces checked themselves when they were made.
+
+        Raises
+        ------
+        SceneError
+            Everything that is wrong, in one message.
+        """
+        if not self.surfaces:
+            raise SceneError(f"scene {self.name!r} is empty: it has no surfaces to light")
+        strangers = [s for s in self.surfaces if not isinstance(s, Surface)]
+        if strangers:
+            raise SceneError(f"scene {self.name!r}: {strangers[0]!r} is not a Surface")
+        problems = []
+        names = self.surface_names
+        if repeated := sorted({name for name in names if names.count(name) > 1}):
+            problems.append(f"surfaces share a name: {', '.join(map(repr, repeated))}; rename all but one")
+        counts = {s.material.channels for s in self.surfaces} | {self.sky.size}
+        if len(counts - {1}) > 1:
+            odd = ", ".join(f"{s.name!r} {s.material.channels}" for s in self.surfaces)
+            problems.append(f"channels differ (sky {self.sky.size}, {odd}); give as many everywhere, or one for all")
+        if not (np.isfinite(self.sky).all() and (self.sky >= 0).all()):
+            problems.append(f"sky {self.sky} W/(m² sr) is negative or not finite")
+        if problems:
+            raise SceneError(f"scene {self.name!r}: " + "; ".join(problems))
