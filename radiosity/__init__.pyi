@@ -1,0 +1,24 @@
+# The public names. Read by lazy_loader when the package runs, and by editors and type checkers: one list for all.
+from . import errors as errors
+from . import scenes as scenes
+from ._version import __version__ as __version__
+from .errors import RadiosityError as RadiosityError
+from .errors import RadiosityWarning as RadiosityWarning
+from .files import read_scene as read_scene
+from .files import read_solution as read_solution
+from .files import write_scene as write_scene
+from .form_factors import FormFactors as FormFactors
+from .form_factors import Hemicube as Hemicube
+from .form_factors import MonteCarlo as MonteCarlo
+from .form_factors import form_factors as form_factors
+from .patches import Patches as Patches
+from .patches import subdivide as subdivide
+from .result import Result as Result
+from .result import Step as Step
+from .scene import Material as Material
+from .scene import Scene as Scene
+from .scene import Surface as Surface
+from .solution import Solution as Solution
+from .solve import solve as solve
+from .solvers import Neumann as Neumann
+from .transport import TransportOperator as TransportOperator
