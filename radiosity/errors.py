@@ -66,3 +66,7 @@ class UnusedFeatureWarning(RadiosityWarning):
 
 class GeometryWarning(RadiosityWarning):
     """A mesh holds something harmless that is left out, or suspicious that is kept."""
+
+
+class ParameterError(RadiosityError, ValueError):
+    """A parameter of a method is outside what it can work with."""
