@@ -41,6 +41,7 @@ FLOORS = (
     "geometry",
     "display",
     "sparse",
+    "sequences",
     "parallel",
 )
 LEAVES = ("result", "errors", "statistics", "progress", "_version")  # import nothing of ours, not even each other
@@ -56,7 +57,7 @@ DOORS = {
 }
 
 # Library → the floors whose modules may import it at their top; elsewhere, inside the function that needs it.
-KERNELS = ("path_tracer", "render", "solvers", "transport", "form_factors", "rays", "patches", "sparse")
+KERNELS = ("path_tracer", "render", "solvers", "transport", "form_factors", "rays", "patches", "sparse", "sequences")
 HEAVY = {
     "dask": (),
     "distributed": (),
