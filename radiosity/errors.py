@@ -28,6 +28,10 @@ class FileFormatError(RadiosityError, ValueError):
     """A file is not what its name says, is damaged, or holds what its format forbids."""
 
 
+class MissingFileError(RadiosityError, FileNotFoundError):
+    """A file, or the folder to write into, is not there."""
+
+
 class FormFactorError(RadiosityError, ValueError):
     """Form factors are not a light exchange: NaN, negative, row sums over one, wrong shape."""
 

@@ -1,0 +1,125 @@
+"""Rows of form factors from counted or weighted hits, straight into compressed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from ..rays import MISS
+
+FloatArray = NDArray[np.float64]
+
+
+class RowBlock(NamedTuple):
+    """Rows begin … end of a matrix under way.
+
+    lengths (rows,) entries in each row; indices, weights (Σ lengths,) in order of columns; to_sky and to_backs
+    (rows,). Weights and shares are hits (int) or already shares (float).
+    """
+
+    begin: int
+    lengths: NDArray[np.int64]
+    indices: NDArray[np.int32]
+    weights: NDArray[np.int32] | FloatArray
+    to_sky: NDArray[np.int64] | FloatArray
+    to_backs: NDArray[np.int64] | FloatArray
+
+
+class Rows(NamedTuple):
+    """A finished matrix with the shares beside it."""
+
+    matrix: csr_array
+    to_sky: FloatArray
+    to_backs: FloatArray
+
+
+def stack_rows(
+    blocks: Iterable[RowBlock],
+    count: int,
+    most: int,
+    divisor: float,
+    dtype: type[np.float32] | type[np.float64],
+    done: Callable[[int], None] | None = None,
+) -> Rows:
+    """Put row blocks, which come in order, into one CSR matrix.
+
+    Room for the most entries there can be is reserved, written once and cut to size, so that the peak is
+    the matrix itself and one block (the system hands out pages as they are first written).
+
+    Parameters
+    ----------
+    blocks : iterable of RowBlock
+    count : int
+        Rows and columns N.
+    most : int
+        Upper bound of the entries.
+    divisor : float
+        Weights and shares are divided by this (the rays, where they are counts).
+    dtype : float32 or float64
+    done : callable, optional
+        Told how many rows are ready.
+    """
+    indptr = np.zeros(count + 1, dtype=np.int64)
+    indices = np.empty(most, dtype=np.int32)
+    data = np.empty(most, dtype=dtype)
+    to_sky, to_backs = np.empty(count), np.empty(count)
+    filled = 0
+    for block in blocks:
+        rows = slice(block.begin, block.begin + len(block.lengths))
+        entries = slice(filled, filled + len(block.indices))
+        indptr[rows.start + 1 : rows.stop + 1] = filled + np.cumsum(block.lengths)
+        indices[entries] = block.indices
+        np.divide(block.weights, divisor, out=data[entries], casting="unsafe")
+        to_sky[rows] = block.to_sky / divisor
+        to_backs[rows] = block.to_backs / divisor
+        filled = entries.stop
+        if done is not None:
+            done(rows.stop)
+    indices.resize(filled, refcheck=False)
+    data.resize(filled, refcheck=False)
+    index_type = np.int32 if filled < np.iinfo(np.int32).max else np.int64
+    matrix = csr_array(
+        (data, indices.astype(index_type, copy=False), indptr.astype(index_type)), shape=(count, count), copy=False
+    )
+    matrix.has_sorted_indices = True
+    matrix.has_canonical_format = True
+    return Rows(matrix, to_sky, to_backs)
+
+
+@numba.njit(nogil=True, cache=True)
+def count_hits(hits, rows, count):  # type: ignore[no-untyped-def]
+    """Hits (rows × rays,) of one block to row lengths, sorted columns, counts, and counts to sky and backs."""
+    rays = hits.shape[0] // rows
+    lengths = np.empty(rows, dtype=np.int64)
+    indices = np.empty(hits.shape[0], dtype=np.int32)
+    counts = np.empty(hits.shape[0], dtype=np.int32)
+    to_sky = np.zeros(rows, dtype=np.int64)
+    to_backs = np.zeros(rows, dtype=np.int64)
+    tally = np.zeros(count, dtype=np.int32)
+    filled = 0
+    for k in range(rows):
+        begin = filled
+        for r in range(k * rays, (k + 1) * rays):
+            j = hits[r]
+            if j >= 0:
+                if tally[j] == 0:
+                    indices[filled] = j
+                    filled += 1
+                tally[j] += 1
+            elif j == MISS:
+                to_sky[k] += 1
+            else:
+                to_backs[k] += 1
+        columns = indices[begin:filled]
+        columns.sort()
+        for p in range(begin, filled):
+            j = indices[p]
+            counts[p] = tally[j]
+            tally[j] = 0
+        lengths[k] = filled - begin
+    return lengths, indices[:filled].copy(), counts[:filled].copy(), to_sky, to_backs
