@@ -86,7 +86,7 @@ def test_table_by_its_landmarks():
     assert nm[np.argmax(table["green"])] == 528
     assert table["green"].max() == 0.481
     assert nm[np.argmin(table["white"])] == 400
-    assert nm[np.argmax(table["red"])] == 672
+    assert nm[np.argmax(table["red"])] == 688
     assert {paint: round(values.sum(), 3) for paint, values in table.items()} == {
         "white": 54.923,
         "green": 15.067,

@@ -1,0 +1,155 @@
+"""Reading a scene from a file of any known format."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import FileFormatError, MissingFileError, ParameterError, RadiosityError
+from ..scene import Material, Scene, Surface
+from .gltf_read import read_gltf
+from .notes import Notes
+
+UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
+"""Metres in each unit of length that `read_scene` knows."""
+
+READERS: dict[str, Callable[[Path, Notes], Scene]] = {
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+}
+
+
+def read_scene(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    materials: Mapping[str, Material] | None = None,
+    sky: ArrayLike | None = None,
+    lamps: Mapping[str, ArrayLike] | None = None,
+    name: str | None = None,
+) -> Scene:
+    """Read a scene from .glb, .gltf, .obj (with its .mtl), .ply, .stl or .off.
+
+    Coordinates keep the axes of the file. What a format cannot say comes by argument. What a file holds and a
+    diffuse solver does not use is named in one warning; what is taken otherwise than the file has it, in another.
+
+    Parameters
+    ----------
+    path : str or path-like
+    unit : {"m", "cm", "mm", "in", "ft"}, optional
+        Unit of length of the file; metres if not given. glTF is in metres by its specification.
+    materials : mapping of str to Material, optional
+        Materials to put in place of the file's, by the name of the surface or, failing that, of its material.
+    sky : array_like (C,), optional
+        Radiance of everything outside, W/(m² sr).
+    lamps : mapping of str to array_like (C,), optional
+        Exitance, W/m², that surfaces emit, by the name of the surface or of its material.
+    name : str, optional
+        Name of the scene; the file's own, or the file's name, if not given.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    MissingFileError
+        There is no such file.
+    FileFormatError
+        An unknown suffix, a file that is damaged or not what its suffix says; the message names the place in it.
+    SceneError
+        A file without surfaces, or with values that no scene can have.
+    ParameterError
+        An unknown unit, or a name in `materials` or `lamps` that the scene does not have.
+
+    Warns
+    -----
+    UnusedFeatureWarning
+        The file holds features that a diffuse solver does not use.
+    """
+    file = _checked_path(path)
+    notes = Notes()
+    try:
+        scene = READERS[file.suffix.lower()](file, notes)
+    except RadiosityError as error:
+        raise type(error)(f"{file}: {error}") from error
+    notes.warn(str(file))
+    scene = _scaled(scene, _metres(unit, file))
+    if materials:
+        scene = _with_materials(scene, materials)
+    if lamps:
+        scene = _with_lamps(scene, lamps)
+    if sky is not None:
+        scene = replace(scene, sky=np.asarray(sky, dtype=np.float64))
+    return scene if name is None else replace(scene, name=name)
+
+
+def _checked_path(path: str | os.PathLike[str]) -> Path:
+    file = Path(path)
+    if file.is_dir():
+        raise FileFormatError(f"{file} is a folder; name a file in it")
+    if file.suffix.lower() not in READERS:
+        known = ", ".join(READERS)
+        raise FileFormatError(f"{file}: the suffix {file.suffix!r} is not read; known are {known}")
+    if not file.is_file():
+        raise MissingFileError(f"there is no file {file}; scenes to start with come from `radiosity scenes --write`")
+    with file.open("rb") as stream:
+        start = stream.read(512)
+    if not start.strip():
+        raise FileFormatError(f"{file} is empty; the download or export that made it has failed")
+    if start.lstrip(b"\xef\xbb\xbf \t\r\n").lower().startswith((b"<!doctype html", b"<html")):
+        raise FileFormatError(f"{file} is a web page (HTML), not a scene; download the file itself")
+    return file
+
+
+def _metres(unit: str | None, file: Path) -> float:
+    if unit is not None and unit not in UNITS:
+        raise ParameterError(f"unit is {unit!r}; known are {', '.join(UNITS)}")
+    if unit not in (None, "m") and file.suffix.lower() in (".glb", ".gltf"):
+        raise ParameterError(f"unit is {unit!r}, but glTF is in metres by its specification; leave the unit out")
+    return UNITS[unit or "m"]
+
+
+def _scaled(scene: Scene, factor: float) -> Scene:
+    if factor == 1.0:
+        return scene
+    return replace(scene, surfaces=tuple(replace(s, vertices=s.vertices * factor) for s in scene.surfaces))
+
+
+def _with_materials(scene: Scene, materials: Mapping[str, Material]) -> Scene:
+    _refuse_strangers(scene, materials, "materials")
+
+    def chosen(surface: Surface) -> Material:
+        return materials.get(surface.name) or materials.get(surface.material.name) or surface.material
+
+    return replace(scene, surfaces=tuple(replace(s, material=chosen(s)) for s in scene.surfaces))
+
+
+def _with_lamps(scene: Scene, lamps: Mapping[str, ArrayLike]) -> Scene:
+    _refuse_strangers(scene, lamps, "lamps")
+
+    def lit(surface: Surface) -> Surface:
+        key = surface.name if surface.name in lamps else surface.material.name
+        return replace(surface, material=with_emission(surface.material, lamps[key])) if key in lamps else surface
+
+    return replace(scene, surfaces=tuple(lit(s) for s in scene.surfaces))
+
+
+def with_emission(material: Material, emission: ArrayLike) -> Material:
+    """The same material with another exitance, W/m²; reflectance or absorptance stays the one that was given."""
+    given = {material.given: getattr(material, material.given)}
+    light = np.asarray(emission, dtype=np.float64)
+    return Material(**given, emission=light, two_sided=material.two_sided, name=material.name)
+
+
+def _refuse_strangers(scene: Scene, named: Mapping[str, object], argument: str) -> None:
+    known = dict.fromkeys(scene.surface_names) | dict.fromkeys(s.material.name for s in scene.surfaces)
+    known.pop("", None)
+    if strangers := [name for name in named if name not in known]:
+        shown = ", ".join(map(repr, list(known)[:20])) + (" …" if len(known) > 20 else "")
+        raise ParameterError(f"{argument}: no surface or material is named {strangers[0]!r}; there are {shown}")
