@@ -30,15 +30,20 @@ MISS, BACK = -1, -2  # what a ray met when it met no patch: nothing, a black bac
 class FaceTable(NamedTuple):
     """Source faces and their grids as the kernels read them, in unit coordinates.
 
-    corners (F, 4, 3), normal and tangent (F, 3), density (F, 3): area density of a quad at (0, 0) and its slopes
-    along u and v; skew (F, 2): third corner of a quad less (1, 1) in its affine frame; the rest (F,) as in `Grid`.
+    A face spans ``origin + a along + b across``: corners 0, 1 and the last one, (F, 3) each. A quad's third corner
+    stands at (a, b) = (1, 1) + skew, (F, 2), plus fold, (F, 3): how far a bent quad leaves its plane.
+    normal and tangent (F, 3); density (F, 3): area density of a quad at (0, 0) and its slopes along u and v; the
+    rest (F,) as in `Grid`.
     """
 
-    corners: FloatArray
+    origin: FloatArray
+    along: FloatArray
+    across: FloatArray
+    skew: FloatArray
+    fold: FloatArray
     normal: FloatArray
     tangent: FloatArray
     density: FloatArray
-    skew: FloatArray
     quad: NDArray[np.bool_]
     columns: IntArray
     rows: IntArray
@@ -51,12 +56,22 @@ def _face_table(grid: Grid, corners: FloatArray) -> FaceTable:
     density = quad_jacobians(corners, faces.normal)
     slopes = density[:, [1, 3]] - density[:, :1]
     slopes[np.abs(slopes) < 1e-12 * density[:, :1]] = 0.0  # a parallelogram but for rounding
+    origin = corners[:, 0]
+    along = corners[:, 1] - origin
+    across = corners[:, 3] - origin
+    skew = _skew(along, across, corners[:, 2] - origin)
+    skew[~faces.quad] = 0.0
+    fold = corners[:, 2] - origin - (1.0 + skew[:, :1]) * along - (1.0 + skew[:, 1:]) * across
+    fold[~faces.quad] = 0.0
     return FaceTable(
-        corners=corners,
+        origin=np.ascontiguousarray(origin),
+        along=along,
+        across=across,
+        skew=skew,
+        fold=fold,
         normal=faces.normal,
-        tangent=unit(corners[:, 1] - corners[:, 0]),
+        tangent=unit(along),
         density=np.concatenate([density[:, :1], slopes], axis=1),
-        skew=np.where(faces.quad[:, None], _skew(corners), 0.0),
         quad=faces.quad,
         columns=grid.columns,
         rows=grid.rows,
@@ -65,16 +80,15 @@ def _face_table(grid: Grid, corners: FloatArray) -> FaceTable:
     )
 
 
-def _skew(corners: FloatArray) -> FloatArray:
-    """(g, h) - 1 where corner 2 = corner 0 + g (corner 1 - corner 0) + h (corner 3 - corner 0), (F, 2)."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
-    rest = corners[:, 2] - corners[:, 0] - a - b
-    aa, ab, bb = (np.einsum("fx,fx->f", p, q) for p, q in ((a, a), (a, b), (b, b)))
-    ra, rb = np.einsum("fx,fx->f", rest, a), np.einsum("fx,fx->f", rest, b)
+def _skew(along: FloatArray, across: FloatArray, opposite: FloatArray) -> FloatArray:
+    """(g, h) of the projection ``opposite = (1 + g) along + (1 + h) across`` to the plane of the two, (F, 2)."""
+    rest = opposite - along - across
+    aa, ab, bb = (np.einsum("fx,fx->f", p, q) for p, q in ((along, along), (along, across), (across, across)))
+    ra, rb = np.einsum("fx,fx->f", rest, along), np.einsum("fx,fx->f", rest, across)
     determinant = aa * bb - ab * ab
     safe = np.where(determinant > 0, determinant, 1.0)
     skew = np.stack([ra * bb - rb * ab, rb * aa - ra * ab], axis=1) / safe[:, None]
-    skew[np.abs(skew) < 1e-12] = 0.0
+    skew[np.abs(skew) < 1e-12] = 0.0  # a parallelogram but for rounding
     return skew
 
 
@@ -106,8 +120,9 @@ class Tracer:
         diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
         self.centre: FloatArray = bounds.mean(axis=0)
         self.scale = 1.0 / diagonal
-        self.table = _face_table(grid, (grid.faces.corners - self.centre) * self.scale)
-        self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, self.table.corners)
+        corners = (grid.faces.corners - self.centre) * self.scale
+        self.table = _face_table(grid, corners)
+        self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, corners)
         self._whole = bool((grid.cells == 1).all())
 
     def run(self, origins: Float32Array, directions: Float32Array) -> IntArray:
@@ -227,7 +242,7 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
     columns, rows = table.columns[f], table.rows[f]
     s = INSET + (1.0 - 2.0 * INSET) * s
     t = INSET + (1.0 - 2.0 * INSET) * t
-    corners = table.corners[f]
+    lift = 0.0
     if table.quad[f]:
         row = cell // columns
         column = cell - row * columns
@@ -236,7 +251,9 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
         s = _linear_density(s, begin + 0.5 * across, along)
         t = _linear_density(t, begin + along * s, across)
         u, v = (column + s) / columns, (row + t) / rows
-        w0, w1, w2, w3 = (1.0 - u) * (1.0 - v), u * (1.0 - v), u * v, (1.0 - u) * v
+        g, h = table.skew[f, 0], table.skew[f, 1]
+        a, b = u + g * u * v, v + h * u * v
+        lift = max(0.0, (a + b - 1.0) / (1.0 + g + h))  # on the second of the two triangles that rays meet
     else:
         row = columns - np.int64(np.ceil(np.sqrt(np.float64(columns * columns - cell))))
         place = cell - row * (2 * columns - row)
@@ -244,8 +261,7 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
         a, b = root * (1.0 - t), root * t  # uniform on the unit triangle (Turk 1990)
         if place & 1:
             a, b = 1.0 - a, 1.0 - b
-        u, v = ((place >> 1) + a) / columns, (row + b) / columns
-        w0, w1, w2, w3 = 1.0 - u - v, u, v, 0.0
+        a, b = ((place >> 1) + a) / columns, (row + b) / columns
     for x in range(3):
-        point = w0 * corners[0, x] + w1 * corners[1, x] + w2 * corners[2, x] + w3 * corners[3, x]
+        point = table.origin[f, x] + a * table.along[f, x] + b * table.across[f, x] + lift * table.fold[f, x]
         out[x] = point + side * OFFSET * table.normal[f, x]
