@@ -51,7 +51,7 @@ def _rows_times_columns(indptr, indices, weights, columns, begin, end, out):  # 
                     out[i, c] += w * columns[j, c]
 
 
-def _row_blocks(indptr: NDArray[Any]) -> list[tuple[int, int]]:
+def row_blocks(indptr: NDArray[Any]) -> list[tuple[int, int]]:
     """Row ranges of about `BLOCK_NONZEROS` entries each."""
     rows = len(indptr) - 1
     per_row = max(1, int(indptr[-1]) // max(rows, 1))
@@ -83,6 +83,6 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
     def rows(block: tuple[int, int]) -> None:
         _rows_times_columns(matrix.indptr, matrix.indices, matrix.data, flat, block[0], block[1], out)
 
-    for _ in ordered_map(rows, _row_blocks(matrix.indptr), threads):
+    for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
         pass
     return out.reshape((matrix.shape[0], *columns.shape[1:]))
