@@ -150,6 +150,26 @@ class Tracer:
         _find_patches(triangle, u, v, directions, self._triangle_face, self._second_half, self.table, self._whole, out)
         return out
 
+    def hits(self, origins: Float32Array, directions: Float32Array) -> tuple[IntArray, FloatArray]:
+        """As `run`, with the points that the rays met.
+
+        Returns
+        -------
+        patch : ndarray of int32 (n,)
+            The patch met, or `MISS`, or `BACK`.
+        points : ndarray (n, 3)
+            Unit coordinates, pulled inside the face and lifted off to the side that was met: good origins for rays that
+            go on from there. Zero where no patch was met.
+        """
+        assert origins.dtype == directions.dtype == np.float32 and origins.shape == directions.shape
+        found = self._scene.run(origins, directions, output=True)
+        hit = found["primID"], found["u"], found["v"]
+        patch, points = np.empty(len(origins), dtype=np.int32), np.zeros(origins.shape)
+        halves = self._triangle_face, self._second_half
+        _find_patches(*hit, directions, *halves, self.table, False, patch)
+        _find_points(*hit, directions, *halves, self.table, patch, points)
+        return patch, points
+
     def to_unit(self, points: FloatArray) -> FloatArray:
         """Points in metres to unit coordinates, (…, 3)."""
         return (points - self.centre) * self.scale
@@ -195,13 +215,50 @@ def _find_patches(triangle, u, v, directions, triangle_face, second_half, table,
 
 
 @numba.njit(nogil=True, cache=True)
+def _find_points(triangle, u, v, directions, triangle_face, second_half, table, patch, points):  # type: ignore[no-untyped-def]
+    """Points met, pulled inside their faces and lifted off them; rays that met no patch are left alone."""
+    for r in range(triangle.shape[0]):
+        if patch[r] < 0:
+            continue
+        t = triangle[r]
+        f = triangle_face[t]
+        n = table.normal[f]
+        towards = directions[r, 0] * n[0] + directions[r, 1] * n[1] + directions[r, 2] * n[2]
+        a, b = _affine(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
+        middle_a, middle_b = 1.0 / 3.0, 1.0 / 3.0
+        if table.quad[f]:
+            middle_a, middle_b = 0.5 + 0.25 * table.skew[f, 0], 0.5 + 0.25 * table.skew[f, 1]
+        a, b = a + 2.0 * INSET * (middle_a - a), b + 2.0 * INSET * (middle_b - b)
+        _lifted(table, f, a, b, 1.0 if towards < 0.0 else -1.0, points[r])
+
+
+@numba.njit(nogil=True, cache=True, inline="always")
+def _affine(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
+    """Coordinates of a point in its face's affine frame, from Embree's coordinates (a, b) on one of its triangles."""
+    if second_half:
+        g, h = table.skew[f, 0], table.skew[f, 1]
+        return 1.0 + g - a * (1.0 + g) - b * g, 1.0 + h - a * h - b * (1.0 + h)
+    return a, b
+
+
+@numba.njit(nogil=True, cache=True, inline="always")
+def _lifted(table, f, a, b, side, out):  # type: ignore[no-untyped-def]
+    """Write to out[:3] the point of face f at affine coordinates (a, b), lifted off it to one side."""
+    fold = 0.0
+    if table.quad[f]:  # on the second of the two triangles that rays meet
+        fold = max(0.0, (a + b - 1.0) / (1.0 + table.skew[f, 0] + table.skew[f, 1]))
+    for x in range(3):
+        point = table.origin[f, x] + a * table.along[f, x] + b * table.across[f, x] + fold * table.fold[f, x]
+        out[x] = point + side * OFFSET * table.normal[f, x]
+
+
+@numba.njit(nogil=True, cache=True)
 def _cell(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     """Cell of face f at Embree's coordinates (a, b) on one of its triangles."""
     columns, rows = table.columns[f], table.rows[f]
+    a, b = _affine(table, f, second_half, a, b)
     if table.quad[f]:
         g, h = table.skew[f, 0], table.skew[f, 1]
-        if second_half:
-            a, b = 1.0 + g - a * (1.0 + g) - b * g, 1.0 + h - a * h - b * (1.0 + h)
         if g != 0.0 or h != 0.0:  # invert a = u + g u v, b = v + h u v
             middle = 1.0 + h * a - g * b
             b = 2.0 * b / (middle + np.sqrt(max(0.0, middle * middle + 4.0 * g * b)))
@@ -242,7 +299,6 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
     columns, rows = table.columns[f], table.rows[f]
     s = INSET + (1.0 - 2.0 * INSET) * s
     t = INSET + (1.0 - 2.0 * INSET) * t
-    lift = 0.0
     if table.quad[f]:
         row = cell // columns
         column = cell - row * columns
@@ -253,7 +309,6 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
         u, v = (column + s) / columns, (row + t) / rows
         g, h = table.skew[f, 0], table.skew[f, 1]
         a, b = u + g * u * v, v + h * u * v
-        lift = max(0.0, (a + b - 1.0) / (1.0 + g + h))  # on the second of the two triangles that rays meet
     else:
         row = columns - np.int64(np.ceil(np.sqrt(np.float64(columns * columns - cell))))
         place = cell - row * (2 * columns - row)
@@ -262,6 +317,4 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
         if place & 1:
             a, b = 1.0 - a, 1.0 - b
         a, b = ((place >> 1) + a) / columns, (row + b) / columns
-    for x in range(3):
-        point = table.origin[f, x] + a * table.along[f, x] + b * table.across[f, x] + lift * table.fold[f, x]
-        out[x] = point + side * OFFSET * table.normal[f, x]
+    _lifted(table, f, a, b, side, out)
