@@ -163,6 +163,7 @@ def _is_ear(points: FloatArray, ring: list[int], corner: tuple[int, int, int]) -
     if not cross(a, b, c) > 0:
         return False
     others = points[[i for i in ring if i not in corner]]
+    others = others[~(others[:, None] == (a, b, c)).all(axis=2).any(axis=1)]  # the far side of a bridge
     inside = (cross(a, b, others) >= 0) & (cross(b, c, others) >= 0) & (cross(c, a, others) >= 0)
     return not bool(inside.any())
 

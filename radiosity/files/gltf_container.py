@@ -10,13 +10,14 @@ import base64
 import binascii
 import json
 import struct
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from ..errors import FileFormatError
 from . import checked
 from .checked import JSON
+from .folder import inside
 
 MAGIC, CHUNK_JSON, CHUNK_BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
 
@@ -123,18 +124,6 @@ def resource(uri: str, where: str, folder: Path) -> bytes:
         except binascii.Error as error:
             raise FileFormatError(f"{where} is not valid base64: {error}") from error
     path = inside(unquote(uri), where, folder, scheme=urlsplit(uri).scheme)
-    return path.read_bytes()
-
-
-def inside(name: str, where: str, folder: Path, scheme: str = "") -> Path:
-    """The file of a relative name, if it is there and in or below the folder."""
-    parts = (*PurePosixPath(name).parts, *PureWindowsPath(name).parts)
-    absolute = PurePosixPath(name).is_absolute() or bool(PureWindowsPath(name).anchor)
-    if scheme or absolute or ".." in parts or "\0" in name or not name:
-        raise FileFormatError(f"{where} names {name!r}; only files in the folder of the scene are read")
-    path = folder / name
     if not path.is_file():
-        raise FileFormatError(f"{where} names {name!r}, which is not in the folder of the scene; put it there")
-    if not path.resolve().is_relative_to(folder.resolve()):
-        raise FileFormatError(f"{where} names {name!r}, a link out of the folder of the scene")
-    return path
+        raise FileFormatError(f"{where} names {uri!r}, which is not in the folder of the scene; put it there")
+    return path.read_bytes()

@@ -11,9 +11,6 @@ from .checked import JSON
 from .gltf_exact import KEY, STRENGTH, exact_material
 from .notes import Notes
 
-GREY = 0.5
-"""Reflectance of what has no material. glTF's own default, 1, would let light bounce for ever."""
-
 UNUSED_EXTENSIONS = {
     "KHR_materials_anisotropy": "anisotropy",
     "KHR_materials_clearcoat": "clear coat",
@@ -42,11 +39,6 @@ def read_materials(document: JSON, notes: Notes) -> list[Material]:
         _material(material, f"materials[{k}]", notes)
         for k, material in enumerate(checked.mappings(document, "materials", "glTF"))
     ]
-
-
-def missing_material() -> Material:
-    """The grey that stands for a missing material."""
-    return Material(np.full(3, GREY), name="")
 
 
 def _material(obj: JSON, where: str, notes: Notes) -> Material:

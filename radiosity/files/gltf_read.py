@@ -14,10 +14,11 @@ from ..errors import FileFormatError
 from ..scene import FloatArray, IntArray, Scene, Surface
 from . import checked
 from .checked import JSON
+from .defaults import GREY, grey
 from .gltf_accessors import Accessors
 from .gltf_container import load
 from .gltf_exact import KEY, STRENGTH, exact_geometry
-from .gltf_materials import GREY, UNUSED_EXTENSIONS, missing_material, our_extras, read_materials
+from .gltf_materials import UNUSED_EXTENSIONS, our_extras, read_materials
 from .names import unique_names
 from .notes import Notes
 
@@ -71,7 +72,7 @@ def read_gltf(path: Path, notes: Notes) -> Scene:
     names = unique_names([p.name for p in placed], notes)
     surfaces = []
     for name, part in zip(names, placed, strict=True):
-        material = missing_material() if part.material is None else materials[part.material]
+        material = grey() if part.material is None else materials[part.material]
         if part.material is None:
             notes.say(f"surface {name!r} has no material; it gets a grey of reflectance {GREY} (glTF's default is 1)")
         surfaces.append(Surface(name, part.vertices, part.faces, material))

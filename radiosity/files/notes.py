@@ -39,9 +39,9 @@ class Notes:
         if self.unused:
             listed = "; ".join(f"{feature} ({_some(places)})" for feature, places in self.unused.items())
             message = f"{source}: not used by a diffuse solver: {listed}"
-            warnings.warn(message, UnusedFeatureWarning, stacklevel=4)
+            warnings.warn(message, UnusedFeatureWarning, stacklevel=3)
         if self.replaced:
-            warnings.warn(f"{source}: {'; '.join(self.replaced)}", RadiosityWarning, stacklevel=4)
+            warnings.warn(f"{source}: {'; '.join(self.replaced)}", RadiosityWarning, stacklevel=3)
 
 
 def _some(places: list[str], limit: int = 4) -> str:

@@ -14,6 +14,7 @@ from ..errors import FileFormatError, MissingFileError, ParameterError, Radiosit
 from ..scene import Material, Scene, Surface
 from .gltf_read import read_gltf
 from .notes import Notes
+from .obj import read_obj
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 """Metres in each unit of length that `read_scene` knows."""
@@ -21,6 +22,7 @@ UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 READERS: dict[str, Callable[[Path, Notes], Scene]] = {
     ".glb": read_gltf,
     ".gltf": read_gltf,
+    ".obj": read_obj,
 }
 
 
