@@ -114,8 +114,8 @@ def _faces_of(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
     given_triangles = np.flatnonzero(padded[:, 3] < 0)
     triangles = surface.vertices[padded[given_triangles, :3]]
     solid = _has_area(triangles)
-    if not solid.all():
-        lost = given_triangles[~solid]
+    lost = np.concatenate([given_triangles[~solid], np.setdiff1d(given_quads[~good], halves_face)])
+    if lost.size:
         shown = ", ".join(map(str, lost[:5])) + (" …" if len(lost) > 5 else "")
         warnings.warn(
             f"surface {surface.name!r}: {len(lost)} of {len(padded)} faces have no area and are left out ({shown})",
@@ -158,10 +158,12 @@ def _split(surface: Surface, quads: FloatArray, face: IntArray) -> tuple[FloatAr
     facing = np.einsum("nchx,nx->nch", halves, normals)
     smallest = facing.min(axis=2)  # of the two halves; negative where the diagonal runs outside
     tolerance = SLIVER * longest_edges(quads) ** 2
-    crossed = np.flatnonzero(smallest.max(axis=1) < -tolerance)
+    areas = np.linalg.norm(halves, axis=3)
+    cancelled = (facing.sum(axis=2).max(axis=1) <= tolerance) & (areas.max(axis=(1, 2)) > tolerance)
+    crossed = np.flatnonzero((smallest.max(axis=1) < -tolerance) | cancelled)
     if crossed.size:
         raise GeometryError(
-            f"surface {surface.name!r}: the corners of quad {face[crossed[0]]} cross over or have no area "
+            f"surface {surface.name!r}: the edges of quad {face[crossed[0]]} cross over "
             f"({crossed.size} such faces); reorder its vertices or cut it into triangles"
         )
     diagonal = np.linalg.norm(quads[:, [0, 1]] - quads[:, [2, 3]], axis=2)
