@@ -1,0 +1,11 @@
+from .camera import Camera as Camera
+from .camera import presets as presets
+from .figures import contact_sheet as contact_sheet
+from .figures import power_plot as power_plot
+from .figures import save_picture as save_picture
+from .figures import write_pictures as write_pictures
+from .state import Series as Series
+from .state import ViewState as ViewState
+from .state import picture as picture
+from .window import Window as Window
+from .window import view as view

@@ -1,0 +1,121 @@
+"""Patches in a pane of a pyvista plotter, coloured as the state says. Shared by the window and the figures."""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from .camera import Camera
+from .mesh import corner_weights, flat_mesh, smooth_mesh
+from .state import Pane, Series, ViewState, coloured, picture
+
+if TYPE_CHECKING:
+    from ..patches import Patches
+
+BACKGROUND = "#262b33"  # not black, so that unlit surfaces and the void around them look different
+BACK_COLOUR = "#ff8c00"
+EDGE_COLOUR = "#8a93a0"
+
+
+class Drawing:
+    """The patches of one solution in one pane: flat and smooth meshes, and the backs of the faces.
+
+    Faces that look away are left out (one-sided walls are black from behind, and would hide the room), which makes a
+    closed room a doll's house when it is seen from outside.
+
+    Parameters
+    ----------
+    plotter : pyvista.Plotter
+        Drawing goes to its active renderer.
+    patches : Patches
+    pane : {"order", "sum"}
+    """
+
+    def __init__(self, plotter: pv.Plotter, patches: Patches, pane: Pane) -> None:
+        self.patches = patches
+        self.pane = pane
+        self.plotter = plotter
+        self.renderer = plotter.renderer
+        self.renderer.SetBackground(pv.Color(BACKGROUND).float_rgb)
+        self.flat = flat_mesh(patches)
+        self.flat_actor = self._actor(self.flat, points=False)
+
+    def _actor(self, mesh: pv.PolyData, *, points: bool) -> pv.Actor:
+        """A mesh in the plain colours that its array "rgb" of points or cells holds."""
+        actor = pv.Actor(mapper=_colour_mapper(mesh, points=points), prop=_flat_property("back"))
+        return self.renderer.add_actor(actor, reset_camera=False, render=False)[0]
+
+    @functools.cached_property
+    def smooth(self) -> tuple[pv.PolyData, pv.Actor, csr_array]:
+        """Mesh, actor and weights of the smooth view, made when it is first asked for."""
+        mesh = smooth_mesh(self.patches)
+        return mesh, self._actor(mesh, points=True), corner_weights(self.patches).astype(np.float32)
+
+    @functools.cached_property
+    def backs(self) -> pv.Actor:
+        """The same faces seen from behind, in a signal colour."""
+        mapper = pv.DataSetMapper(self.flat)
+        mapper.scalar_visibility = False
+        prop = _flat_property("front")
+        prop.color = BACK_COLOUR
+        return self.renderer.add_actor(pv.Actor(mapper=mapper, prop=prop), reset_camera=False, render=False)[0]
+
+    def draw(self, series: Series, state: ViewState, colours: NDArray[np.uint8] | None = None) -> None:
+        """Bring the pane up to date; the caller renders.
+
+        Parameters
+        ----------
+        series : Series
+        state : ViewState
+        colours : ndarray of uint8 (N, 3), optional
+            Shown instead of the picture of the state.
+        """
+        smooth = state.smooth and colours is None
+        if smooth:
+            mesh, _, weights = self.smooth
+            mesh.point_data["rgb"] = coloured(series, state, self.pane, weights @ series.light(state, self.pane))
+        else:
+            self.flat.cell_data["rgb"] = picture(series, state, self.pane) if colours is None else colours
+        self.flat_actor.visibility = not smooth
+        self.flat_actor.prop.show_edges = state.wireframe
+        if "smooth" in self.__dict__:
+            self.smooth[1].visibility = smooth
+            self.smooth[1].prop.show_edges = state.wireframe
+        if state.backs or "backs" in self.__dict__:
+            self.backs.visibility = state.backs
+
+    def look(self, camera: Camera) -> None:
+        """Put the camera of the pane to a preset."""
+        place(self.renderer, camera)
+
+
+def place(renderer: pv.Renderer, camera: Camera) -> None:
+    """Set the camera of a renderer."""
+    renderer.camera.position = camera.position
+    renderer.camera.focal_point = camera.focal_point
+    renderer.camera.up = camera.up
+    renderer.camera.view_angle = camera.fov
+    renderer.camera_set = True
+    renderer.ResetCameraClippingRange()
+
+
+def _colour_mapper(mesh: pv.PolyData, *, points: bool) -> pv.DataSetMapper:
+    """Takes the bytes of "rgb" as they are."""
+    mapper = pv.DataSetMapper(mesh)
+    mapper.SetScalarModeToUsePointFieldData() if points else mapper.SetScalarModeToUseCellFieldData()
+    mapper.SelectColorArray("rgb")
+    mapper.SetColorModeToDirectScalars()
+    mapper.scalar_visibility = True
+    return mapper
+
+
+def _flat_property(culling: str) -> pv.Property:
+    """Unlit: the colours are the light."""
+    prop = pv.Property(lighting=False, culling=culling, edge_color=EDGE_COLOUR, line_width=1.0)
+    prop.interpolation = "flat"
+    return prop

@@ -1,0 +1,295 @@
+"""Pictures without a window: one pane, the contact sheet of all orders, power per bounce."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista as pv
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from .. import display
+from ..errors import ParameterError
+from . import probe
+from .camera import Camera, presets
+from .drawing import Drawing
+from .state import PANES, Pane, Series, ViewState, caption, in_words, mathtext, start
+
+if TYPE_CHECKING:
+    from ..patches import Patches
+    from ..solution import Solution
+
+logger = logging.getLogger(__name__)
+
+INK = "#e8eaed"
+FAINT = "#9aa3ae"
+PAPER = "#15181d"
+HERE = "#ff7043"
+CHANNEL_COLOURS = ("#e4572e", "#5fb346", "#5b8def")
+CHANNEL_MARKS = ("o", "s", "^")
+CHANNEL_NAMES = ("red", "green", "blue")
+MOST_COLUMNS = 11
+SHEET_PANE = 300  # pixels
+
+
+class Stage:
+    """An off-screen place to draw one scene many times; close it, or use it in a ``with``.
+
+    Raises
+    ------
+    DisplayError
+        If this machine cannot draw.
+    """
+
+    def __init__(self, patches: Patches, size: tuple[int, int] = (800, 800), camera: Camera | None = None) -> None:
+        probe.require("off-screen")
+        probe.hush()
+        self.plotter = pv.Plotter(off_screen=True, window_size=size)
+        self.plotter.render_window.SetMultiSamples(probe.smoothing_samples())
+        self.drawing = Drawing(self.plotter, patches, "order")
+        self.drawing.look(camera or presets(patches)[0])
+
+    def image(self, series: Series, state: ViewState, pane: Pane) -> NDArray[np.uint8]:
+        """Picture (height, width, 3) of a state."""
+        self.drawing.pane = pane
+        self.drawing.draw(series, state)
+        self.plotter.render()
+        return np.asarray(self.plotter.screenshot(return_img=True))
+
+    def close(self) -> None:
+        """Give back what the graphics library holds."""
+        self.plotter.close()
+
+    def __enter__(self) -> Stage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[int] | None = None) -> list[Path]:
+    """Write the pictures of a solution: contact sheet, power per bounce, the sum, and single orders.
+
+    Parameters
+    ----------
+    solution : Solution
+    folder : path
+        Made if it is not there.
+    orders : sequence of int, optional
+        Which orders get a picture of their own; by default those of the contact sheet.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    DisplayError
+        If this machine cannot draw.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    series = Series.of(solution)
+    written = [folder / "orders.png", folder / "power.png", folder / "sum.png"]
+    with Stage(solution.patches) as stage:
+        last = start(series, order=series.last)
+        save_image(written[2], stage.image(series, last, "sum"))
+        for k in columns(series.last) if orders is None else orders:
+            written.append(folder / f"order_{k}.png")
+            save_image(written[-1], stage.image(series, last.at(k), "order"))
+    save_figure(contact_sheet(solution, series=series, orders=orders), written[0])
+    save_figure(power_plot(series), written[1])
+    return written
+
+
+def save_picture(solution: Solution, path: str | Path, *, size: tuple[int, int] = (900, 900), **settings: Any) -> Path:
+    """Write one picture of the light after the last bounce, or as the settings of `ViewState` say.
+
+    Parameters
+    ----------
+    solution : Solution
+    path : path
+        Ends in .png.
+    size : (int, int)
+        Pixels.
+    **settings
+        Fields of `ViewState`, and ``pane="order"`` or ``"sum"`` (the default).
+    """
+    pane = settings.pop("pane", "sum")
+    if pane not in PANES:
+        raise ParameterError(f"pane {pane!r} is unknown; choose from {', '.join(PANES)}")
+    series = Series.of(solution)
+    with Stage(solution.patches, size) as stage:
+        return save_image(path, stage.image(series, start(series, **{"order": series.last, **settings}), pane))
+
+
+def save_image(path: str | Path, image: NDArray[np.uint8]) -> Path:
+    """Write pixels (height, width, 3) as PNG."""
+    from PIL import Image
+
+    Image.fromarray(image).save(path)
+    return Path(path)
+
+
+def save_figure(figure: Figure, path: str | Path, dpi: float = 100.0) -> Path:
+    """Write a figure on its own paper."""
+    figure.savefig(path, dpi=dpi, facecolor=figure.get_facecolor())
+    return Path(path)
+
+
+def columns(last: int) -> list[int]:
+    """Which orders a contact sheet shows: all, or the first ones and then ever wider steps up to the last.
+
+    >>> columns(3), columns(40)
+    ([0, 1, 2, 3], [0, 1, 2, 3, 4, 6, 8, 13, 19, 27, 40])
+    """
+    if last < MOST_COLUMNS:
+        return list(range(last + 1))
+    wide = np.geomspace(4.0, last, MOST_COLUMNS - 4)
+    return [0, 1, 2, 3, *sorted({round(k) for k in wide})]
+
+
+def contact_sheet(
+    solution: Solution,
+    *,
+    series: Series | None = None,
+    orders: Sequence[int] | None = None,
+    camera: Camera | None = None,
+    pane_size: int = SHEET_PANE,
+    **settings: Any,
+) -> Figure:
+    """All orders at a glance, in three rows of one camera.
+
+    On the exposure common to all, which shows how the light fades; each on its own exposure with the factor printed,
+    which shows where it is; and the partial sums.
+
+    Parameters
+    ----------
+    solution : Solution
+    series : Series, optional
+        Its light, if prepared before.
+    orders : sequence of int, optional
+        Which columns to show.
+    camera : Camera, optional
+    pane_size : int
+        Pixels.
+    **settings
+        Fields of `ViewState`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To be shown or saved at 100 dpi.
+    """
+    series = series or Series.of(solution)
+    shown = columns(series.last) if orders is None else list(orders)
+    state = start(series, **settings)
+    rows: list[tuple[Pane, bool, str]] = [
+        ("order", False, "each bounce,\ncommon exposure"),
+        ("order", True, "each bounce,\nits own exposure"),
+        ("sum", False, "all light so far"),
+    ]
+    sheet = _Sheet(len(shown), len(rows), pane_size)
+    with Stage(solution.patches, (pane_size, pane_size), camera) as stage:
+        for row, (pane, normalised, title) in enumerate(rows):
+            sheet.row_title(row, title)
+            for column, k in enumerate(shown):
+                here = replace(state.at(k), normalised=normalised)
+                words = display.factor_text(float(series.own[k])) if normalised else in_words(k)
+                if pane == "sum":
+                    words = "" if column else "the lamps"
+                elif normalised and not series.orders[k].any():
+                    words = "no light of this order"
+                sheet.pane(row, column, stage.image(series, here, pane), mathtext(k, pane), words)
+    sheet.foot(f"{solution.patches.name} · {len(solution.patches):,} patches · {caption(series, state, 'sum')}")
+    return sheet.figure
+
+
+class _Sheet:
+    """Panes in rows and columns, with room for words beside and above them, never on them. Lengths in pixels."""
+
+    left, gap, head, bottom = 190, 14, 72, 46
+
+    def __init__(self, columns: int, rows: int, pane: int) -> None:
+        self.pane_size = pane
+        self.width = self.left + columns * (pane + self.gap) + self.gap
+        self.height = rows * (pane + self.head) + self.bottom
+        self.figure = Figure(figsize=(self.width / 100.0, self.height / 100.0), dpi=100, facecolor=PAPER)
+        FigureCanvasAgg(self.figure)
+
+    def _place(self, row: int, column: int) -> tuple[float, float]:
+        """Upper left corner of a pane, from the upper left of the sheet."""
+        return self.left + column * (self.pane_size + self.gap), row * (self.pane_size + self.head) + self.head
+
+    def pane(self, row: int, column: int, image: NDArray[np.uint8], title: str, words: str) -> None:
+        x, y = self._place(row, column)
+        size = self.pane_size
+        box = (x / self.width, 1.0 - (y + size) / self.height, size / self.width, size / self.height)
+        axes = self.figure.add_axes(box)
+        axes.imshow(image, interpolation="none")
+        axes.set_axis_off()
+        self._text(x, y - 30, title, INK, 15, va="center")
+        self._text(x + size, y - 30, words, FAINT, 10.5, va="center", ha="right")
+
+    def row_title(self, row: int, title: str) -> None:
+        _, y = self._place(row, 0)
+        self._text(self.gap + 10, y + self.pane_size / 2.0, title, INK, 12.5, va="center", linespacing=1.5)
+
+    def foot(self, words: str) -> None:
+        self._text(self.left, self.height - 16, words, FAINT, 10.5)
+
+    def _text(self, x: float, y: float, words: str, colour: str, size: float, **style: Any) -> None:
+        self.figure.text(x / self.width, 1.0 - y / self.height, words, color=colour, fontsize=size, **style)
+
+
+def power_plot(series: Series, order: int | None = None, size: tuple[float, float] = (7.2, 4.2)) -> Figure:
+    """Power of each order in watts, on a logarithmic axis.
+
+    Parameters
+    ----------
+    series : Series
+    order : int, optional
+        Where to put the marker.
+    size : (float, float)
+        Inches at 100 dpi.
+    """
+    figure = Figure(figsize=size, dpi=100, facecolor=PAPER, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    draw_power(axes, series, order)
+    return figure
+
+
+def draw_power(axes: Axes, series: Series, order: int | None = None) -> None:
+    """Curves of power per bounce, one for each channel, named at their ends."""
+    channels = series.power.shape[1]
+    bounces = np.arange(series.last + 1)
+    for c in range(channels):
+        colour = CHANNEL_COLOURS[c] if channels == 3 else FAINT if channels > 1 else INK
+        lit = series.power[:, c] > 0.0
+        axes.plot(bounces[lit], series.power[lit, c], "-", color=colour, marker=CHANNEL_MARKS[c % 3], markersize=5)
+        if channels == 3 and lit.any():
+            end = bounces[lit][-1], series.power[lit, c][-1]
+            axes.annotate(CHANNEL_NAMES[c], end, (8, 0), textcoords="offset points", color=colour, va="center")
+    if (series.power > 0.0).any():
+        axes.set_yscale("log")
+    if order is not None:
+        axes.axvline(order, color=HERE, linewidth=1.4, zorder=0)
+    axes.set_facecolor(PAPER)
+    axes.set_xlim(-0.4, series.last + (0.9 if channels == 3 else 0.4))
+    axes.set_xticks(bounces if series.last <= 12 else columns(series.last))
+    axes.set_xlabel("bounce $k$", color=INK)
+    axes.set_ylabel(r"power of $T^k E$, W", color=INK)
+    axes.tick_params(colors=FAINT)
+    axes.grid(axis="y", color=FAINT, alpha=0.2)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side in ("left", "bottom"))
+        spine.set_color(FAINT)
