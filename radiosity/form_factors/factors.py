@@ -92,9 +92,12 @@ class FormFactors:
         check_matrix(matrix, areas)
         sums = row_sums(matrix)
         backs = np.zeros(len(areas)) if to_backs is None else np.array(to_backs, dtype=np.float64)
-        sky = 1.0 - sums - backs if to_sky is None else np.array(to_sky, dtype=np.float64)
         if to_sky is None:
-            sky[np.abs(sky) < ROW_SUM_TOLERANCE] = 0.0  # rounding of a closed row, not a window
+            check_shares(sums, np.zeros(len(areas)), backs)
+            sky = 1.0 - sums - backs
+            sky[sky < ROW_SUM_TOLERANCE] = 0.0  # rounding of a closed row, not a window
+        else:
+            sky = np.array(to_sky, dtype=np.float64)
         check_shares(sums, sky, backs)
         return cls(matrix, sky, backs, areas)
 
