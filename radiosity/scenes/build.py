@@ -151,3 +151,60 @@ def floor_around(outline: ArrayLike, footprints: Sequence[ArrayLike], height: fl
     points, triangles = triangulate(outline, footprints)
     x, z = points.T
     return np.column_stack([x, np.full(len(points), height), z]), triangles[:, ::-1]
+
+
+def frame(low: ArrayLike, high: ArrayLike, facing: int, hole: Range) -> Mesh:
+    """An upright rectangle around a rectangular hole, as four trapezoids from its corners to the hole's.
+
+    However small the hole, no face becomes a thin strip, as the cells of `panel` would.
+    """
+    outer, outer_faces = panel(low, high, facing)
+    inner, inner_faces = panel(*hole, facing)
+    a, b = outer_faces[0], inner_faces[0] + 4
+    return np.concatenate([outer, inner]), np.column_stack([a, np.roll(a, -1), np.roll(b, -1), b])
+
+
+def sphere(centre: ArrayLike, radius: float, subdivisions: int, facing: int) -> Mesh:
+    """A sphere of 20 × 4^subdivisions triangles: an icosahedron whose edges are halved again and again.
+
+    Parameters
+    ----------
+    centre : array_like (3,)
+        m.
+    radius : float
+        m; all corners lie on the sphere, so that the mesh is a little smaller than it.
+    subdivisions : int
+    facing : {+1, -1}
+        +1: fronts outside, -1: fronts inside.
+
+    Returns
+    -------
+    vertices : ndarray (V, 3)
+    faces : ndarray of int64 (M, 3)
+    """
+    golden = (1 + 5**0.5) / 2
+    ring = np.array([[s * 1.0, t * golden] for s in (1, -1) for t in (1, -1)])
+    vertices = np.concatenate([np.roll(np.column_stack([np.zeros(4), ring]), k, axis=1) for k in range(3)])
+    gaps = np.linalg.norm(vertices[:, None] - vertices, axis=2)
+    near = [set(np.flatnonzero((row > 0) & (row < 2.1)).tolist()) for row in gaps]
+    faces = np.array([[i, j, k] for i in range(12) for j in near[i] for k in near[i] & near[j] if i < j < k])
+    corners = vertices[faces]
+    inward = np.einsum("nx,nx->n", np.cross(corners[:, 1], corners[:, 2]), corners[:, 0]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    for _ in range(subdivisions):
+        vertices, faces = _halved(vertices, faces)
+    vertices = np.asarray(centre) + radius * vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
+    return vertices, faces if facing > 0 else faces[:, ::-1]
+
+
+def _halved(vertices: FloatArray, faces: IntArray) -> Mesh:
+    """Each triangle as four, with the middles of its edges on the unit sphere."""
+    vertices = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges, places = np.unique(edges, axis=0, return_inverse=True)
+    ab, bc, ca = (len(vertices) + places.reshape(3, -1)).astype(np.int64)
+    a, b, c = faces.T
+    quarters = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    return np.concatenate([vertices, vertices[edges].mean(axis=1)]), np.stack(quarters).transpose(2, 0, 1).reshape(
+        -1, 3
+    )
