@@ -5,7 +5,7 @@ from ._version import __version__ as __version__
 from .errors import RadiosityError as RadiosityError
 from .errors import RadiosityWarning as RadiosityWarning
 from .files import read_scene as read_scene
-from .files import read_solution as read_solution
+from .files.solutions import read_solution as read_solution
 from .files import write_scene as write_scene
 from .form_factors import FormFactors as FormFactors
 from .form_factors import Hemicube as Hemicube

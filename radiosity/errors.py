@@ -72,5 +72,9 @@ class GeometryWarning(RadiosityWarning):
     """A mesh holds something harmless that is left out, or suspicious that is kept."""
 
 
+class UnlitSceneWarning(RadiosityWarning):
+    """Nothing in a scene emits, and neither does the sky: everything will be black."""
+
+
 class ParameterError(RadiosityError, ValueError):
     """A parameter of a method is outside what it can work with."""

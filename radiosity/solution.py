@@ -1,0 +1,304 @@
+"""`Solution`: the light of a scene, and everything that it was computed from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .balance import PowerBalance, power_balance
+from .errors import FileFormatError
+from .form_factors import FormFactors
+from .irradiance import irradiance_at
+from .patches import Patches
+from .relight import relit_patches, relit_scene
+from .result import Result
+from .scene import Scene
+from .series import run
+from .solvers import Solver
+from .transport import TransportOperator
+
+FloatArray = NDArray[np.float64]
+
+PICTURES = (".png",)
+DATA = (".npz", ".vtp")
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The light of a scene.
+
+    Attributes
+    ----------
+    scene : Scene
+        The geometry and its materials.
+    patches : Patches
+        N patches with the emission, reflectance and sky that were solved for.
+    factors : FormFactors
+    result : Result
+        What the solver returned.
+    solver : Solver
+        The method and its tolerances.
+    bounces : int or None
+        Where the series was cut on request.
+    settings : dict
+        What `solve` was asked for, as plain values.
+    statistics : dict
+        Counters and seconds, named "group/what", in the order of the work.
+    """
+
+    scene: Scene
+    patches: Patches
+    factors: FormFactors
+    result: Result
+    solver: Solver
+    bounces: int | None = None
+    settings: dict[str, Any] = field(default_factory=dict)
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def radiosity(self) -> FloatArray:
+        """Light that leaves each patch, B, W/m², (N, C)."""
+        return self.result.radiosity
+
+    @property
+    def orders(self) -> FloatArray | None:
+        """Light by number of bounces, T^k E, W/m², (K + 1, N, C); None from solvers that do not sum the series."""
+        return self.result.orders
+
+    @property
+    def status(self) -> str:
+        """One sentence: converged, or why not and what to try."""
+        return self.result.status
+
+    @property
+    def converged(self) -> bool:
+        """Whether the solver met its tolerance."""
+        return self.result.converged
+
+    @property
+    def emission(self) -> FloatArray:
+        """Light that each patch emits by itself, E, W/m², (N, C)."""
+        return self.patches.emission
+
+    @property
+    def sky(self) -> FloatArray:
+        """Radiance of the surroundings, W/(m² sr), (C,)."""
+        return self.patches.sky
+
+    @property
+    def irradiance(self) -> FloatArray:
+        """Light that arrives at each patch, H = F B + π to_sky L_sky, W/m², (N, C)."""
+        return self.factors.gather(self.radiosity) + np.pi * self.factors.to_sky[:, None] * self.sky
+
+    @property
+    def radiance(self) -> FloatArray:
+        """L = B / π, W/(m² sr), (N, C)."""
+        return self.radiosity / np.pi
+
+    @property
+    def absorbed(self) -> FloatArray:
+        """Power that each patch absorbs, A α H, W, (N, C)."""
+        return self.patches.area[:, None] * self.patches.absorptance * self.irradiance
+
+    @property
+    def net_flux(self) -> FloatArray:
+        """Power that each patch gives away, A (B - H), W, (N, C): emitted less absorbed."""
+        return self.patches.area[:, None] * (self.radiosity - self.irradiance)
+
+    @property
+    def power(self) -> FloatArray | None:
+        """Power that leaves the surfaces with each order, Σ A T^k E, W, (K + 1, C); None where there are no orders."""
+        if self.orders is None:
+            return None
+        return np.sum(self.patches.area[:, None] * self.orders, axis=1)
+
+    @property
+    def balance(self) -> PowerBalance:
+        """Power put in, absorbed, escaped, and what the sum lacks."""
+        return power_balance(self.patches, self.factors, self.radiosity, self.irradiance)
+
+    def relight(
+        self,
+        *,
+        emission: ArrayLike | Mapping[str, ArrayLike] | None = None,
+        reflectance: ArrayLike | Mapping[str, ArrayLike] | None = None,
+        sky: ArrayLike | None = None,
+    ) -> Solution:
+        """Solve again with other light or other paint; the geometry and so the form factors stay.
+
+        Parameters
+        ----------
+        emission : mapping of str to array_like (C,), or array_like (N, C), optional
+            Exitance, W/m²: of the surfaces (or materials) named, the others staying as they are; or of every patch.
+        reflectance : mapping of str to array_like (C,), or array_like (N, C), optional
+        sky : array_like (C,), optional
+            Radiance of the surroundings, W/(m² sr).
+
+        Returns
+        -------
+        Solution
+            By the same solver. Values given patch by patch are in its `patches`; its `scene` knows only those
+            given by surface.
+
+        Raises
+        ------
+        ParameterError
+            A name that the scene does not have.
+        MaterialError
+            Values that no surface can have, or a shape that does not fit.
+        """
+        scene = relit_scene(
+            self.scene,
+            emission=emission if isinstance(emission, Mapping) else None,
+            reflectance=reflectance if isinstance(reflectance, Mapping) else None,
+            sky=sky,
+        )
+        patches = relit_patches(self.patches, scene, emission=emission, reflectance=reflectance)
+        result = run(self.solver, TransportOperator(self.factors, patches), patches, self.bounces)
+        statistics = {**self.factors.statistics, **result.statistics}
+        return Solution(
+            scene,
+            patches,
+            self.factors,
+            result,
+            self.solver,
+            self.bounces,
+            {**self.settings, "relit": True},
+            statistics,
+        )
+
+    def irradiance_at(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        *,
+        rays: int = 1024,
+        seed: int = 0,
+        threads: int | None = None,
+    ) -> FloatArray:
+        """Irradiance at points, W/m², (P, C): a grid on a desk, say. See `radiosity.irradiance.irradiance_at`.
+
+        Parameters
+        ----------
+        points : array_like (P, 3)
+            m.
+        normals : array_like (P, 3) or (3,)
+            Which way each point looks.
+        rays : int, optional
+            For each point; the error falls about as 1 / rays^0.6.
+        seed, threads : int, optional
+        """
+        return irradiance_at(self.patches, self.radiosity, points, normals, rays=rays, seed=seed, threads=threads)
+
+    def save(self, path: str | os.PathLike[str], **settings: Any) -> None:
+        """Write the solution; the suffix says what.
+
+        Parameters
+        ----------
+        path : path
+            `.npz`: everything, for `rad.read_solution`. `.vtp`: all orders on the patches, for ParaView and others.
+            `.png`: a picture.
+        **settings
+            For pictures: see `radiosity.viewer.figures.save_picture`.
+
+        Raises
+        ------
+        FileFormatError
+            Another suffix.
+        MissingFileError
+            The folder is not there.
+        DisplayError
+            A picture, on a machine that cannot draw.
+        """
+        file = Path(path)
+        suffix = file.suffix.lower()
+        if suffix in PICTURES:
+            from .viewer.figures import save_picture
+
+            save_picture(self, file, **settings)
+            return
+        if settings or suffix not in DATA:
+            known = ", ".join(DATA + PICTURES)
+            raise FileFormatError(
+                f"{file}: {', '.join(settings)} {'are' if len(settings) > 1 else 'is'} for pictures only"
+                if suffix in DATA
+                else f"{file}: solutions are not written as {file.suffix!r}; choose from {known}"
+            )
+        from .files.solutions import write_solution
+
+        write_solution(self, file)
+
+    def show(self, **settings: Any) -> None:
+        """Open the viewer; returns when its window is closed. See `radiosity.viewer.view` for the settings.
+
+        Raises
+        ------
+        DisplayError
+            There is no display, or no GL; with what to do about it.
+        """
+        from .viewer import view
+
+        view(self, **settings)
+
+    def __str__(self) -> str:
+        """The story in a few lines."""
+        lines = [_scene_line(self.patches), _factor_line(self.factors), _power_line(self.balance)]
+        if self.power is not None:
+            lines.append("by bounce, W: " + power_by_bounce(self.power))
+        lines.append("seconds: " + ", ".join(f"{stage} {s:.2f}" for stage, s in seconds(self.statistics).items()))
+        return "\n".join([*lines, self.status])
+
+
+def _scene_line(patches: Patches) -> str:
+    enclosure = "closed" if patches.closed else "open"
+    names, channels = len(patches.surface_names), patches.channels
+    return (
+        f"{patches.name}: {len(patches):,} patches on {names} surface{'s' * (names != 1)}, {enclosure}, "
+        f"{channels} channel{'s' * (channels != 1)}"
+    )
+
+
+def _factor_line(factors: FormFactors) -> str:
+    count = len(factors)
+    closure = float(np.max(np.abs(factors.closure_defect)))
+    return (
+        f"form factors by {factors.estimator}: {factors.matrix.nnz:,} non-zeros ({factors.matrix.nnz / count**2:.2%}); "
+        f"closure defect {closure:.1e}, reciprocity defect {factors.reciprocity_defect:.2g}"
+    )
+
+
+def _power_line(balance: PowerBalance) -> str:
+    put_in, absorbed, to_sky, to_backs = (
+        float(part.sum()) for part in (balance.put_in, balance.absorbed, balance.to_sky, balance.to_backs)
+    )
+    return (
+        f"power, W: {put_in:.4g} put in; {absorbed:.4g} absorbed, {to_sky:.4g} escaped, {to_backs:.4g} on black backs; "
+        f"energy defect {balance.defect:+.2%}"
+    )
+
+
+def power_by_bounce(power: FloatArray, shown: int = 6) -> str:
+    """Power of the first orders and the last, all channels together.
+
+    >>> power_by_bounce(2.0 ** -np.arange(12)[:, None])
+    '0: 1, 1: 0.5, 2: 0.25, 3: 0.125, 4: 0.0625, 5: 0.03125, … 11: 0.0004883'
+    """
+    watts = power.sum(axis=1)
+    words = [f"{k}: {w:.4g}" for k, w in enumerate(watts)]
+    return ", ".join(words) if len(words) <= shown + 1 else ", ".join(words[:shown]) + f", … {words[-1]}"
+
+
+def seconds(statistics: Mapping[str, Any]) -> dict[str, float]:
+    """Seconds of each stage, in the order of the work.
+
+    >>> seconds({"seconds/patches": 0.1, "rays/traced": 5})
+    {'patches': 0.1}
+    """
+    group = "seconds/"
+    return {name.removeprefix(group): float(s) for name, s in statistics.items() if name.startswith(group)}
