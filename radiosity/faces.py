@@ -94,9 +94,7 @@ def source_faces(scene: Scene) -> Faces:
         surface.append(np.full(len(part_quad), index, dtype=np.int32))
     all_corners, all_quad = np.concatenate(corners), np.concatenate(quad)
     owner = np.concatenate(surface)
-    vector_area = np.where(
-        all_quad[:, None], quad_vector_areas(all_corners), triangle_vector_areas(all_corners[:, :3])
-    )
+    vector_area = np.where(all_quad[:, None], quad_vector_areas(all_corners), triangle_vector_areas(all_corners[:, :3]))
     two_sided = np.array([s.material.two_sided for s in scene.surfaces])[owner]
     area = np.linalg.norm(vector_area, axis=1)
     return Faces(all_corners, all_quad, owner, two_sided, unit(vector_area), area)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -194,11 +196,11 @@ def _ceil_steps(lengths: FloatArray, size: float) -> IntArray:
     return np.maximum(1, steps).astype(np.int64)
 
 
-def _edge_lengths(faces: Faces, combine: np.ufunc | type = np.mean) -> tuple[FloatArray, FloatArray]:  # type: ignore[assignment]
+def _edge_lengths(faces: Faces, combine: Callable[..., Any] = np.mean) -> tuple[FloatArray, FloatArray]:
     """Lengths along and across each face, of its two opposite edges combined; triangles: longest edge, twice."""
     edges = np.linalg.norm(np.roll(faces.corners, -1, axis=1) - faces.corners, axis=2)
-    along = combine(edges[:, [0, 2]], axis=1)  # type: ignore[operator]
-    across = combine(edges[:, [1, 3]], axis=1)  # type: ignore[operator]
+    along = combine(edges[:, [0, 2]], axis=1)
+    across = combine(edges[:, [1, 3]], axis=1)
     longest = edges.max(axis=1)
     return np.where(faces.quad, along, longest), np.where(faces.quad, across, longest)
 
@@ -296,7 +298,9 @@ def _cut_quads(faces: Faces, members: IntArray, columns: int, rows: int) -> tupl
     return np.einsum("pk,mkx->mpx", weights, quads), corner[None], area
 
 
-def _cut_triangles(faces: Faces, members: IntArray, columns: int, rows: int) -> tuple[FloatArray, IntArray, FloatArray]:
+def _cut_triangles(
+    faces: Faces, members: IntArray, columns: int, _rows: int
+) -> tuple[FloatArray, IntArray, FloatArray]:
     """As `_cut_quads`, for triangles: row j holds upright and turned triangles in turn."""
     triangles = faces.corners[members, :3]
     j, i = np.nonzero(np.tri(columns + 1, dtype=bool)[::-1])
@@ -325,9 +329,7 @@ def _centroids(vertices: FloatArray, corner: IntArray, quad: bool) -> FloatArray
     return quad_centroids(cells.reshape(-1, 4, 3)).reshape(*cells.shape[:2], 3)
 
 
-def locate(
-    grid: Grid, face: NDArray[np.integer], u: FloatArray, v: FloatArray, back: NDArray[np.bool_]
-) -> IntArray:
+def locate(grid: Grid, face: NDArray[np.integer], u: FloatArray, v: FloatArray, back: NDArray[np.bool_]) -> IntArray:
     """The patch that holds a point of a face: arithmetic, no search.
 
     The readable twin of the kernel in `radiosity.rays`.

@@ -318,3 +318,45 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
             a, b = 1.0 - a, 1.0 - b
         a, b = ((place >> 1) + a) / columns, (row + b) / columns
     _lifted(table, f, a, b, side, out)
+
+
+@numba.njit(nogil=True, cache=True)
+def patch_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
+    """Write `patch_point` of all (s[r], t[r]) to out[r], (n, 3) float32: the same points, many at a time.
+
+    Cells of parallelograms and triangles are affine, so one corner and two edges serve all their points and the loops
+    are short enough for the compiler to run eight at once.
+    """
+    n = s.shape[0]
+    if table.quad[f] and (table.skew[f, 0] != 0.0 or table.skew[f, 1] != 0.0 or np.any(table.fold[f] != 0.0)):
+        point = np.empty(3)
+        for r in range(n):
+            patch_point(table, f, cell, side, s[r], t[r], point)
+            out[r, 0], out[r, 1], out[r, 2] = point[0], point[1], point[2]
+        return
+    columns, rows = table.columns[f], table.rows[f]
+    turn = 1.0
+    if table.quad[f]:
+        row = cell // columns
+        column = cell - row * columns
+    else:
+        row = columns - np.int64(np.ceil(np.sqrt(np.float64(columns * columns - cell))))
+        place = cell - row * (2 * columns - row)
+        column = place >> 1
+        if place & 1:  # an upside-down triangle hangs from its far corner
+            turn = -1.0
+            column, row = column + 1, row + 1
+    for x in range(3):
+        corner = table.origin[f, x] + column / columns * table.along[f, x] + row / rows * table.across[f, x]
+        corner += side * OFFSET * table.normal[f, x]
+        along, across = turn * table.along[f, x] / columns, turn * table.across[f, x] / rows
+        if table.quad[f]:
+            for r in range(n):
+                a = INSET + (1.0 - 2.0 * INSET) * s[r]
+                b = INSET + (1.0 - 2.0 * INSET) * t[r]
+                out[r, x] = corner + a * along + b * across
+        else:
+            for r in range(n):
+                root = np.sqrt(INSET + (1.0 - 2.0 * INSET) * s[r])
+                b = root * (INSET + (1.0 - 2.0 * INSET) * t[r])
+                out[r, x] = corner + (root - b) * along + b * across

@@ -7,7 +7,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.patches import locate
-from radiosity.rays import BACK, MISS, OFFSET, Tracer, patch_point
+from radiosity.rays import BACK, MISS, OFFSET, Tracer, patch_point, patch_points
 
 from .test_patches import bilinear_coordinates, soup
 
@@ -40,6 +40,20 @@ def test_sample_points_lie_on_their_patch_and_lifted_to_its_side():
         flat = (points - OFFSET * patches.normal[i]) / tracer.scale + tracer.centre
         u, v = bilinear_coordinates(faces.corners[face], faces.quad[face], flat)
         assert (locate(patches.grid, face, u, v, np.full(50, patches.side[i] < 0)) == i).all()
+
+
+def test_many_points_at_once_are_the_same_points():
+    patches = rad.subdivide(soup(3), patch_count=300)
+    table = Tracer(patches.grid).table
+    s, t = np.random.default_rng(0).random((2, 20))
+    for i in range(len(patches)):
+        f, up = patches.face[i], float(patches.side[i])
+        cell = i - (patches.grid.front[f] if up > 0 else patches.grid.back[f])
+        one_by_one, together = np.empty((20, 3)), np.empty((20, 3), dtype=np.float32)
+        for row, (a, b) in zip(one_by_one, zip(s, t, strict=True), strict=True):
+            patch_point(table, f, cell, up, a, b, row)
+        patch_points(table, f, cell, up, s, t, together)
+        assert together == pytest.approx(one_by_one, abs=1e-7)
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -13,7 +13,7 @@ from ..errors import ParameterError
 from ..parallel import blocks, ordered_map
 from ..patches import Patches
 from ..progress import Progress, quiet
-from ..rays import Tracer, patch_point
+from ..rays import Tracer, patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
 from .assembly import RowBlock, Rows, count_hits, stack_rows
 
@@ -107,9 +107,9 @@ class _BlockOfRows:
         self.rays = method.rays // method.replicates
         self.run = seed_key(method.seed, replicate)
         if method.sampling == "sobol":
-            self.points = sobol_points(self.rays, 4, int(self.run))
+            self.points = np.ascontiguousarray(sobol_points(self.rays, 4, int(self.run)).T)
         else:
-            self.points = np.empty((0, 4), dtype=np.uint32)
+            self.points = np.empty((4, 0), dtype=np.uint32)
 
     def __call__(self, block: tuple[int, int]) -> RowBlock:
         begin, end = block
@@ -137,36 +137,55 @@ class _BlockOfRows:
 def cosine_rays(table, face, side, front, back, begin, end, rays, points, run, origins, directions):  # type: ignore[no-untyped-def]
     """Fill origins and directions ((end - begin) × rays, 3) of the patches begin … end.
 
-    With `points` (rays, 4) uint32, each patch shifts them by a key of (run, patch); without, numbers are hashed
+    With `points` (4, rays) uint32, each patch shifts them by a key of (run, patch); without, numbers are hashed
     from (run, patch, ray).
     """
-    shifted = points.shape[0] > 0
-    sample = np.empty(4)
-    point = np.empty(3)
-    shift = np.empty(4, dtype=np.uint32)
+    samples = np.empty((4, rays))
     for i in range(begin, end):
         f = face[i]
         up = np.float64(side[i])
         cell = i - (front[f] if up > 0 else back[f])
-        n0, n1, n2 = up * table.normal[f, 0], up * table.normal[f, 1], up * table.normal[f, 2]
-        t0, t1, t2 = table.tangent[f, 0], table.tangent[f, 1], table.tangent[f, 2]
-        b0, b1, b2 = n1 * t2 - n2 * t1, n2 * t0 - n0 * t2, n0 * t1 - n1 * t0
         patch = key(np.uint64(run), np.uint64(i))
-        for d in range(4):
-            shift[d] = high_bits(key(patch, d))
-        for r in range(rays):
-            q = (i - begin) * rays + r
-            if shifted:
-                for d in range(4):
-                    sample[d] = (points[r, d] ^ shift[d]) * BITS_TO_UNIT
-            else:
+        if points.shape[1] > 0:
+            for d in range(4):
+                shift = high_bits(key(patch, d))
+                for r in range(rays):
+                    samples[d, r] = (points[d, r] ^ shift) * BITS_TO_UNIT
+        else:
+            for r in range(rays):
                 ray = key(patch, r + 4)
                 for d in range(4):
-                    sample[d] = high_bits(key(ray, d)) * BITS_TO_UNIT
-            patch_point(table, f, cell, up, sample[0], sample[1], point)
-            radius, angle = np.sqrt(sample[2]), 2.0 * np.pi * sample[3]
-            x, y, z = radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - sample[2])
-            origins[q, 0], origins[q, 1], origins[q, 2] = point[0], point[1], point[2]
-            directions[q, 0] = x * t0 + y * b0 + z * n0
-            directions[q, 1] = x * t1 + y * b1 + z * n1
-            directions[q, 2] = x * t2 + y * b2 + z * n2
+                    samples[d, r] = high_bits(key(ray, d)) * BITS_TO_UNIT
+        here = slice((i - begin) * rays, (i - begin + 1) * rays)
+        patch_points(table, f, cell, up, samples[0], samples[1], origins[here])
+        cosine_directions(table.tangent[f], table.normal[f], up, samples[2], samples[3], directions[here])
+
+
+@numba.njit(nogil=True, cache=True)
+def cosine_directions(tangent, normal, up, s, t, out):  # type: ignore[no-untyped-def]
+    """Write to out (n, 3) directions about up × normal, cosine-distributed for uniform s and t.
+
+    sin and cos of the angle 2π t are polynomials in the distance to the nearest quarter turn, at most π/4:
+    right to 3e-8, which is float32's rounding, and free of calls, so that the compiler runs eight at once.
+    """
+    n0, n1, n2 = up * normal[0], up * normal[1], up * normal[2]
+    t0, t1, t2 = tangent[0], tangent[1], tangent[2]
+    b0, b1, b2 = n1 * t2 - n2 * t1, n2 * t0 - n0 * t2, n0 * t1 - n1 * t0
+    for r in range(s.shape[0]):
+        quarter = np.floor(4.0 * t[r] + 0.5)
+        angle = 0.5 * np.pi * (4.0 * t[r] - quarter)
+        q = angle * angle
+        sine = angle * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q / 362880.0))))
+        cosine = 1.0 - q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q / 40320.0)))
+        odd = quarter == 1.0 or quarter == 3.0
+        x = sine if odd else cosine
+        y = cosine if odd else sine
+        x = -x if (quarter == 1.0 or quarter == 2.0) else x
+        y = -y if (quarter == 2.0 or quarter == 3.0) else y
+        radius = np.sqrt(s[r])
+        z = np.sqrt(1.0 - s[r])
+        x *= radius
+        y *= radius
+        out[r, 0] = x * t0 + y * b0 + z * n0
+        out[r, 1] = x * t1 + y * b1 + z * n1
+        out[r, 2] = x * t2 + y * b2 + z * n2

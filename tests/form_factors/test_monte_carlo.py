@@ -127,6 +127,21 @@ def test_parameters_that_make_no_estimate(kwargs, message):
         rad.MonteCarlo(**kwargs)
 
 
+def test_directions_are_malleys_method():
+    """The kernel's polynomials beside sine and cosine, quarter turns included."""
+    rng = np.random.default_rng(0)
+    s, t = rng.random(10_000), np.concatenate([np.arange(16) / 16, rng.random(9_984)])
+    frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    tangent, normal = frame[0], frame[1]
+    found = np.empty((10_000, 3))
+    for up in (1.0, -1.0):
+        monte_carlo.cosine_directions(tangent, normal, up, s, t, found)
+        x, y, z = np.sqrt(s) * np.cos(2 * np.pi * t), np.sqrt(s) * np.sin(2 * np.pi * t), np.sqrt(1 - s)
+        across = np.cross(up * normal, tangent)
+        true = np.outer(x, tangent) + np.outer(y, across) + np.outer(z, up * normal)
+        assert found == pytest.approx(true, abs=4e-8)
+
+
 def test_a_wrong_cosine_is_seen():
     """Negative control: directions uniform over the hemisphere instead of cosine-distributed."""
     _, patches, data = load("empty_box")
