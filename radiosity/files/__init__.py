@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from .builtin import write_builtin_scenes
 from .read import read_scene
 from .write import write_scene
 
-__all__ = ["read_scene", "write_scene"]
+__all__ = ["read_scene", "write_builtin_scenes", "write_scene"]
