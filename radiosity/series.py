@@ -45,12 +45,11 @@ def run(
         A negative number of bounces, or bounces of a solver that does not sum the series.
     """
     watch = _Watch(solver.rtol, progress or quiet, bounces)
-    if bounces is None:
-        return solver.solve(T, patches.emission, patches.sky, callback=watch)
     check_bounces(solver, bounces)
-    assert isinstance(solver, Neumann)
-    cut = replace(solver, rtol=0.0, atol=0.0, maxiter=bounces)
-    return _cut_short(cut.solve(T, patches.emission, patches.sky, callback=watch), solver, T, patches)
+    method = solver if bounces is None else replace(solver, rtol=0.0, atol=0.0, maxiter=bounces)
+    result = method.solve(T, patches.emission, patches.sky, callback=watch)
+    watch.end()
+    return result if bounces is None else _cut_short(result, solver, T, patches)
 
 
 def check_bounces(solver: Solver, bounces: int | None) -> None:
@@ -68,7 +67,7 @@ def check_bounces(solver: Solver, bounces: int | None) -> None:
         raise ParameterError(f"bounces is {bounces}; give 0 or more")
 
 
-def _cut_short(result: Result, solver: Neumann, T: TransportOperator, patches: Patches) -> Result:
+def _cut_short(result: Result, solver: Solver, T: TransportOperator, patches: Patches) -> Result:
     """Say of a series cut on request how much is left out."""
     source = T.norm(T.source(patches.emission, patches.sky))
     residual = result.history[-1]
@@ -93,9 +92,11 @@ class _Watch:
     def __init__(self, rtol: float, progress: Progress, bounces: int | None) -> None:
         self.rtol, self.progress, self.bounces = rtol, progress, bounces
         self.first = 0.0
+        self.made = 0
 
     def __call__(self, step: Step) -> None:
         """Take note of a step."""
+        self.made = step.order
         residual = float(np.max(step.residual, initial=0.0))
         self.first = max(self.first, residual)
         total = self.bounces
@@ -104,3 +105,7 @@ class _Watch:
             goal = math.log(self.rtol) if 0.0 < self.rtol < 1.0 else fallen
             total = max(step.order, round(step.order * goal / fallen)) if fallen < 0.0 else step.order
         self.progress("bounces", step.order, max(total, step.order))
+
+    def end(self) -> None:
+        """There were as many as there were."""
+        self.progress("bounces", self.made, self.made)

@@ -127,6 +127,9 @@ def _check_indices(patches: Patches) -> None:
 def _check_grid(patches: Patches) -> None:
     """Each face's patches are where the grid says: what kernels rely on to find a patch by arithmetic."""
     grid, count = patches.grid, len(patches)
+    corners = grid.faces.corners
+    if ((corners[:, 2] == corners[:, 3]).all(axis=1) == grid.faces.quad).any():
+        raise FileFormatError("faces/quad and faces/corners do not agree about which faces are triangles")
     if (grid.columns < 1).any() or (grid.rows < 1).any() or (grid.columns != grid.rows)[~grid.faces.quad].any():
         raise FileFormatError("grid/columns and grid/rows do not cut the faces")
     two_sided = grid.back >= 0

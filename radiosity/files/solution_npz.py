@@ -38,6 +38,12 @@ from .solution_arrays import (
 )
 
 FORMAT, VERSION = "radiosity solution", 1
+PARTS = {
+    "header": ("scene", "patches", "estimator", "factors", "solver", "bounces", "result", "settings", "statistics"),
+    "result": ("status", "converged", "orders", "statistics"),
+    "scene": ("name", "closed", "sky", "surfaces"),
+    "patches": ("name", "closed"),
+}
 # What a file may name: nothing else is ever made of it.
 ESTIMATORS = {kind.__name__: kind for kind in (MonteCarlo, Hemicube)}
 SOLVERS = {name: getattr(solvers, name) for name in solvers.__all__}
@@ -87,6 +93,10 @@ def read_npz(path: Path) -> Solution:
             raise FileFormatError("it is a numpy archive, but no solution: `solution.save` writes those")
         header = archive.header()
         _check_version(header)
+        for part, keys in PARTS.items():
+            found = header if part == "header" else checked.mapping(header, part, "header")
+            if missing := [key for key in keys if key not in found]:
+                raise FileFormatError(f"{part} has no {missing[0]!r}: the file is not as radiosity writes it")
         reader = Reader(archive)
         scene = _scene(reader, checked.mapping(header, "scene", "header"))
         part = checked.mapping(header, "patches", "header")
