@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity import form_factors as _  # noqa: F401  (its module, whose classes are looked at below)
 from radiosity.errors import FileFormatError, MissingFileError, RadiosityError, RadiosityWarning
 from radiosity.files.solution_npz import ESTIMATORS, SOLVERS, VERSION
 from radiosity.files.solutions import read_solution, write_solution
