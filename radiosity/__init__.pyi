@@ -13,6 +13,8 @@ from .form_factors import MonteCarlo as MonteCarlo
 from .form_factors import form_factors as form_factors
 from .patches import Patches as Patches
 from .patches import subdivide as subdivide
+from .path_tracer import PathTracer as PathTracer
+from .path_tracer import WalkedLight as WalkedLight
 from .result import Result as Result
 from .result import Step as Step
 from .scene import Material as Material
