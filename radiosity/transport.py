@@ -22,6 +22,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from .errors import FormFactorError, MaterialError, SolverError
 from .form_factors.factors import FormFactors, check_matrix, check_shares
+from .form_factors.on_demand import RowsOnDemand
 from .parallel import ordered_map
 from .sparse import row_blocks
 
@@ -51,7 +52,7 @@ class TransportOperator:
 
     Parameters
     ----------
-    factors : FormFactors
+    factors : FormFactors or RowsOnDemand
         N patches.
     patches : Patches, optional
         For their reflectance and absorptance (N, C).
@@ -84,7 +85,7 @@ class TransportOperator:
     array([10.162602,  1.626016])
     """
 
-    factors: FormFactors
+    factors: FormFactors | RowsOnDemand
     patches: InitVar[Materials | None] = None
     _: KW_ONLY
     reflectance: FloatArray = None  # type: ignore[assignment]  # always an array after __post_init__
@@ -297,11 +298,15 @@ def _shares(name: str, given: ArrayLike, count: int) -> FloatArray:
     return values
 
 
-def _to_outside(factors: FormFactors) -> FloatArray:
+def _to_outside(factors: FormFactors | RowsOnDemand) -> FloatArray:
     """Share of a patch's light that no patch gets back, (N,): sky, backs, and what a row fails to close by.
 
     Also the door where poisoned factors are refused, however they were made.
     """
+    if not np.all(np.isfinite(factors.area) & (factors.area > 0)):
+        raise FormFactorError("areas must be positive and finite")
+    if isinstance(factors, RowsOnDemand):  # each row is checked when it is computed
+        return factors.to_sky + factors.to_backs
     weights = factors.matrix.data
     if weights.size and not weights.min() >= 0.0:
         check_matrix(factors.matrix, factors.area)
@@ -310,8 +315,6 @@ def _to_outside(factors: FormFactors) -> FloatArray:
     if not np.all(np.abs(defect) <= rounding):
         check_matrix(factors.matrix, factors.area)
         check_shares(1.0 - defect - factors.to_sky - factors.to_backs, factors.to_sky, factors.to_backs)
-    if not np.all(np.isfinite(factors.area) & (factors.area > 0)):
-        raise FormFactorError("areas must be positive and finite")
     return factors.to_sky + factors.to_backs + np.where(np.abs(defect) <= rounding, 0.0, defect)
 
 
@@ -324,13 +327,13 @@ def area_norm(light: FloatArray, area: FloatArray) -> FloatArray:
 
 
 def net_exchange(
-    factors: FormFactors, light: FloatArray, beside: FloatArray | None = None, threads: int | None = None
+    factors: FormFactors | RowsOnDemand, light: FloatArray, beside: FloatArray | None = None, threads: int | None = None
 ) -> FloatArray:
     """Σ_j F_ij [(X_i - X_j) + Y_j] with float64 sums from left to right.
 
     Parameters
     ----------
-    factors : FormFactors
+    factors : FormFactors or RowsOnDemand
     light : ndarray (N, …)
         X.
     beside : ndarray (N, …), optional
@@ -341,6 +344,8 @@ def net_exchange(
     -------
     ndarray (N, …)
     """
+    if isinstance(factors, RowsOnDemand):
+        return factors.net_exchange(light, beside)
     matrix = factors.matrix
     x = np.ascontiguousarray(light.reshape(len(light), -1), dtype=np.float64)
     y = x if beside is None else np.ascontiguousarray(beside.reshape(len(light), -1), dtype=np.float64)

@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 
 from ..errors import NoSteadyState, SolverError
 from ..form_factors.factors import FormFactors
+from ..form_factors.on_demand import RowsOnDemand
 from ..transport import TransportOperator
 
 FloatArray = NDArray[np.float64]
@@ -23,8 +24,13 @@ COLLATZ_PASSES = 200
 _components: WeakKeyDictionary[FormFactors, IntArray] = WeakKeyDictionary()
 
 
-def connected_components(factors: FormFactors) -> IntArray:
-    """Number of the enclosure each patch belongs to, (N,): patches that exchange no light are in different ones."""
+def connected_components(factors: FormFactors | RowsOnDemand) -> IntArray:
+    """Number of the enclosure each patch belongs to, (N,): patches that exchange no light are in different ones.
+
+    Remembered with the factors. Rows on demand are taken as one enclosure.
+    """
+    if isinstance(factors, RowsOnDemand):
+        return np.zeros(len(factors), dtype=np.int64)
     labels = _components.get(factors)
     if labels is None:
         matrix = factors.matrix
@@ -138,7 +144,7 @@ def _endless_message(T: TransportOperator, source: FloatArray, endless: BoolArra
     )
 
 
-def where(factors: FormFactors, patches: BoolArray | IntArray) -> str:
+def where(factors: FormFactors | RowsOnDemand, patches: BoolArray | IntArray) -> str:
     """Name the surfaces of some patches, or give their numbers where there are no names."""
     numbers = np.flatnonzero(patches) if patches.dtype == bool else patches
     if factors.surface is None or not factors.surface_names:
