@@ -18,7 +18,8 @@ FloatArray = NDArray[np.float64]
 UP = (0.0, 1.0, 0.0)  # of glTF, and of the built-in scenes
 PINHOLE_FOV = 39.3  # degrees: the Cornell box's lens, 2·atan(12.5 mm / 35 mm)
 PINHOLE_MARGIN = 1.0276  # and its distance: the opening fills all but 2.7 % of the picture
-INSIDE_FOV = 75.0
+INSIDE_FOV = 70.0
+PREFER_FRONT = 1.2  # another wall must show so much more than the front
 OUTSIDE_FOV = 30.0
 OUTSIDE_DIRECTION = (0.62, 0.5, 1.0)  # to the right, up, to the front
 OPEN_SIDE = 0.05  # a side of the bounding box is open if patches cover less than this share of it
@@ -110,19 +111,19 @@ def _through(patches: Patches, side: tuple[int, int], up: Vector) -> Camera:
 
 
 def _inside(patches: Patches, up: FloatArray) -> Camera:
-    """From within the box around the patches, at the end of it that has most lit area in front of it."""
+    """From the middle of one wall to the opposite one: the wall that has most patches facing it, else the front."""
     low, high = _bounds(patches)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    level = np.abs(up) < 0.5
     best, most = middle, -1.0
-    for direction in np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).T.reshape(-1, 3):
-        if not direction[level].any() or direction[~level].any():
+    for axis, end in ((2, 1.0), (2, -1.0), (0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)):
+        if abs(up[axis]) > 0.5:
             continue
-        position = middle + 0.85 * half * direction + 0.1 * half * up
+        position = middle + 0.1 * half * up
+        position[axis] += 0.97 * end * half[axis]
         seen = _area_in_front(patches, position, middle)
-        if seen > most * (1.0 + 1e-6):
+        if seen > PREFER_FRONT * most:
             best, most = position, seen
-    target = middle - 0.15 * half * np.abs(up)
+    target = middle - 0.1 * half * np.abs(up)
     return Camera("inside", _vector(best), _vector(target), _vector(up), INSIDE_FOV)
 
 

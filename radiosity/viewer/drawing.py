@@ -100,6 +100,8 @@ def place(renderer: pv.Renderer, camera: Camera) -> None:
     renderer.camera.focal_point = camera.focal_point
     renderer.camera.up = camera.up
     renderer.camera.view_angle = camera.fov
+    width, height = renderer.GetSize()
+    renderer.camera.SetUseHorizontalViewAngle(width < height)  # in a narrow pane the picture is cut at neither side
     renderer.camera_set = True
     renderer.ResetCameraClippingRange()
 

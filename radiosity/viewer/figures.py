@@ -48,13 +48,16 @@ class Stage:
         If this machine cannot draw.
     """
 
-    def __init__(self, patches: Patches, size: tuple[int, int] = (800, 800), camera: Camera | None = None) -> None:
+    def __init__(
+        self, patches: Patches, size: tuple[int, int] = (800, 800), camera: Camera | None = None, preset: int = 0
+    ) -> None:
         probe.require("off-screen")
         probe.hush()
         self.plotter = pv.Plotter(off_screen=True, window_size=size)
         self.plotter.render_window.SetMultiSamples(probe.smoothing_samples())
         self.drawing = Drawing(self.plotter, patches, "order")
-        self.drawing.look(camera or presets(patches)[0])
+        cameras = presets(patches)
+        self.drawing.look(camera or cameras[preset % len(cameras)])
 
     def image(self, series: Series, state: ViewState, pane: Pane) -> NDArray[np.uint8]:
         """Picture (height, width, 3) of a state."""
@@ -127,8 +130,9 @@ def save_picture(solution: Solution, path: str | Path, *, size: tuple[int, int] 
     if pane not in PANES:
         raise ParameterError(f"pane {pane!r} is unknown; choose from {', '.join(PANES)}")
     series = Series.of(solution)
-    with Stage(solution.patches, size) as stage:
-        return save_image(path, stage.image(series, start(series, **{"order": series.last, **settings}), pane))
+    state = start(series, **{"order": series.last, **settings})
+    with Stage(solution.patches, size, preset=state.preset) as stage:
+        return save_image(path, stage.image(series, state, pane))
 
 
 def save_image(path: str | Path, image: NDArray[np.uint8]) -> Path:
@@ -149,7 +153,7 @@ def columns(last: int) -> list[int]:
     """Which orders a contact sheet shows: all, or the first ones and then ever wider steps up to the last.
 
     >>> columns(3), columns(40)
-    ([0, 1, 2, 3], [0, 1, 2, 3, 4, 6, 8, 13, 19, 27, 40])
+    ([0, 1, 2, 3], [0, 1, 2, 3, 4, 6, 9, 13, 19, 27, 40])
     """
     if last < MOST_COLUMNS:
         return list(range(last + 1))
@@ -198,7 +202,7 @@ def contact_sheet(
         ("sum", False, "all light so far"),
     ]
     sheet = _Sheet(len(shown), len(rows), pane_size)
-    with Stage(solution.patches, (pane_size, pane_size), camera) as stage:
+    with Stage(solution.patches, (pane_size, pane_size), camera, state.preset) as stage:
         for row, (pane, normalised, title) in enumerate(rows):
             sheet.row_title(row, title)
             for column, k in enumerate(shown):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 PANEL = "#15181d"
 PROJECTOR_SCALE = 1.5
-HELP_LARGEST = 1.2  # the list of keys fills its pane
+HELP_LARGEST = 1.2
 PLAY_MILLISECONDS = 700
 ROWS = (0.085, 0.715, 0.2)  # titles, panes, dashboard
 SLIDER_WIDTH = 0.24
@@ -121,17 +121,20 @@ class Window:
     # Building --------------------------------------------------------------------------------------------------------
 
     def _build(self, off_screen: bool, size: tuple[int, int]) -> None:
+        # Rows: titles, panes, dashboard. With a side, a column of its own stands at the left.
+        left = 1 if self.side else 0
+        groups = [(2, [left, left + 1])] + ([(slice(None), 0)] if self.side else [])
+        widths = [self.side] * left + [(1 - self.side) / 2] * 2
         self.plotter = pv.Plotter(
             off_screen=off_screen, window_size=list(size), title="Radiosity, bounce by bounce", border=False,
-            shape=(3, 2), row_weights=list(ROWS), groups=[(2, slice(None))],
+            shape=(3, left + 2), row_weights=list(ROWS), col_weights=widths, groups=groups,
         )  # fmt: skip
         self.plotter.render_window.SetMultiSamples(self.samples)
         self.plotter.set_background(PANEL)
-        self._leave_room()
         self.panes: dict[Pane, Drawing] = {}
         self.titles: dict[Pane, tuple[Words, Words]] = {}
         self.bars: dict[Pane, ScaleBar] = {}
-        for column, pane in enumerate(PANES):
+        for column, pane in enumerate(PANES, start=left):
             self.plotter.subplot(0, column)
             heading = Words(self.plotter.renderer, (0.03, 0.5), 27, style="-Oblique")
             words = Words(self.plotter.renderer, (0.97, 0.5), 16, colour=FAINT, align="right")
@@ -140,18 +143,12 @@ class Window:
             self.plotter.subplot(1, column)
             self.panes[pane] = Drawing(self.plotter, self.solution.patches, pane)
         self.panes["sum"].renderer.camera = self.panes["order"].renderer.camera
-        self._build_dashboard()
+        self._build_dashboard(left)
         self._build_help()
         self._listen()
 
-    def _leave_room(self) -> None:
-        """Move all panes to the right of the text."""
-        for renderer in self.plotter.renderers:
-            left, bottom, right, top = renderer.GetViewport()
-            renderer.SetViewport(self.side + (1 - self.side) * left, bottom, self.side + (1 - self.side) * right, top)
-
-    def _build_dashboard(self) -> None:
-        self.plotter.subplot(2, 0)
+    def _build_dashboard(self, left: int) -> None:
+        self.plotter.subplot(2, left)
         renderer = self.plotter.renderer
         self.status = Words(renderer, (0.33, 0.87), 15, vertical="top")
         self.power = PowerPanel(renderer, self.series, (0.72, 0.32, 0.97, 0.78))
@@ -174,7 +171,6 @@ class Window:
 
     def _build_help(self) -> None:
         """The list of keys, over everything."""
-        self.plotter.subplot(1, 0)
         renderer = self.panes["order"].renderer
         self.help_box = Shapes(renderer, opacity=0.9)
         self.help_box.boxes([(0.04, 0.03, 0.96, 0.97)], ["#0d0f12"])
@@ -274,11 +270,17 @@ class Window:
             "? lists the keys",
         ]
 
-    def _scale_words(self) -> None:
+    def word_scale(self) -> float:
+        """Letters against their designed size: by the height of the window, and larger for a projector."""
         height = self.plotter.render_window.GetSize()[1] or DESIGN_HEIGHT
-        scale = height / DESIGN_HEIGHT * (PROJECTOR_SCALE if self.state.projector else 1.0)
+        return float(height / DESIGN_HEIGHT * (PROJECTOR_SCALE if self.state.projector else 1.0))
+
+    def _scale_words(self) -> None:
         for words in self.all_words():
-            words.scale(min(scale, HELP_LARGEST * height / DESIGN_HEIGHT) if words in self.help_words else scale)
+            words.scale(self.word_scale())
+        if self.state.projector:
+            for words in self.help_words:  # the list of keys fills its pane
+                words.scale(self.word_scale() * HELP_LARGEST / PROJECTOR_SCALE)
 
     def all_words(self) -> list[Words]:
         """Every text of the window."""

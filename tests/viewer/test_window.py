@@ -1,0 +1,213 @@
+"""The window, driven by the events that VTK sends for keys, sliders and clocks."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import radiosity as rad
+from radiosity.errors import DisplayError
+from radiosity.viewer import view
+from radiosity.viewer.state import COMMANDS, picture
+from radiosity.viewer.window import Window
+
+pytestmark = pytest.mark.usefixtures("gl")
+
+
+@pytest.fixture
+def window(solution: rad.Solution):
+    window = Window(solution, off_screen=True, size=(640, 400), order=1, exposure=1.0)
+    window.image()
+    yield window
+    window.close()
+
+
+def press(window: Window, key: str, code: str = "") -> None:
+    """What VTK does when a key goes down: the key event, then the character event of its own commands."""
+    interactor = window.plotter.iren.interactor
+    interactor.SetKeySym(key)
+    interactor.SetKeyCode(code or "\0")
+    interactor.InvokeEvent("KeyPressEvent")
+    interactor.InvokeEvent("CharEvent")
+
+
+def drag(slider, value: float) -> None:
+    slider.GetRepresentation().SetValue(value)
+    slider.InvokeEvent("InteractionEvent")
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.shown)
+def test_every_key_does_what_it_says(window: Window, command) -> None:
+    for key in command.keys:
+        before = window.state
+        press(window, key, key if len(key) == 1 else "")
+        assert window.state == command.change(before) != before
+
+
+def test_keys_of_vtk_are_off(window: Window) -> None:
+    """W alone would turn everything to wires, s back to faces, 3 to red-green glasses, j to a joystick."""
+    style = type(window.plotter.iren.interactor.GetInteractorStyle())
+    for key in "wsp3jfr":
+        press(window, key, key)
+        press(window, key, key)
+    assert window.panes["sum"].flat_actor.prop.style == "Surface"
+    assert not window.plotter.render_window.GetStereoRender()
+    assert type(window.plotter.iren.interactor.GetInteractorStyle()) is style
+    assert window.state.preset == 0
+
+
+def test_both_panes_show_the_state(window: Window) -> None:
+    press(window, "Right")
+    for pane, drawing in window.panes.items():
+        assert np.array_equal(drawing.flat.cell_data["rgb"], picture(window.series, window.state, pane))
+    assert [words[0].actor.GetInput() for words in window.titles.values()] == ["T² Lₑ", "Σ₀…₂ Tʲ Lₑ"]
+    assert "×" not in window.titles["order"][1].actor.GetInput()
+    press(window, "n")
+    assert window.titles["order"][1].actor.GetInput().startswith("×")
+
+
+def test_sliders_act_while_they_are_dragged(window: Window) -> None:
+    drag(window.order_slider, 3.4)
+    assert window.state.order == 3
+    assert window.titles["order"][0].actor.GetInput() == "T³ Lₑ"
+    drag(window.exposure_slider, 2.5)
+    assert window.state.exposure == 2.5
+    assert window.exposure_words.actor.GetInput() == "exposure  +2.5 EV"
+
+
+def test_sliders_follow_the_keys(window: Window) -> None:
+    press(window, "End")
+    press(window, "Down")
+    assert window.order_slider.GetRepresentation().GetValue() == window.series.last
+    assert window.exposure_slider.GetRepresentation().GetValue() == 0.5
+
+
+def test_play_goes_round_and_stops(window: Window) -> None:
+    tick = window.plotter.iren.interactor.InvokeEvent
+    tick("TimerEvent")
+    assert window.state.order == 1
+    press(window, "space")
+    orders = []
+    for _ in range(window.series.last + 1):
+        tick("TimerEvent")
+        orders.append(window.state.order)
+    assert orders == [2, 3, 4, 5, 6, 0, 1]
+    drag(window.order_slider, 4)
+    tick("TimerEvent")
+    assert window.state.order == 4
+
+
+def test_panes_turn_together(window: Window) -> None:
+    assert window.panes["order"].renderer.camera is window.panes["sum"].renderer.camera
+    before = window.panes["sum"].renderer.camera.position
+    press(window, "c")
+    assert window.panes["sum"].renderer.camera.position != before
+    press(window, "c")
+    assert window.panes["sum"].renderer.camera.position == pytest.approx(before)
+
+
+def test_the_picture_changes_when_the_state_does(window: Window) -> None:
+    seen = [window.image()]
+    for key in ("Right", "n", "s", "t", "f", "question", "question", "p"):
+        press(window, key)
+        seen.append(window.image())
+        assert np.mean(np.any(seen[-1] != seen[-2], axis=-1)) > 0.002, key
+    assert all(image.shape == (400, 640, 3) for image in seen)
+
+
+def test_the_help_lists_every_key(window: Window) -> None:
+    listed = [words.actor.GetInput().splitlines() for words in window.help_words]
+    assert len(listed[0]) == len(listed[1])
+    for command in COMMANDS:
+        assert listed[1][listed[0].index(command.shown)] == command.does
+
+
+def test_scale_bar_appears_with_false_colour(window: Window) -> None:
+    bar = window.bars["sum"]
+    assert not bar.strip.actor.GetVisibility()
+    press(window, "f")
+    assert bar.strip.actor.GetVisibility()
+    ticks = [words.actor.GetInput() for words in bar.words if words.actor.GetVisibility()]
+    assert len(ticks) > 1
+    assert ticks[-1].endswith("W/m²")
+
+
+def test_marker_stands_at_the_bounce(window: Window) -> None:
+    for order in (0, 6):
+        drag(window.order_slider, order)
+        points = window.power.marker.mapper.GetInput().points
+        assert points[:, 0].mean() == pytest.approx(window.power._x(order), abs=1e-6)
+
+
+def test_screenshot_needs_no_display(solution: rad.Solution, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    state = view(solution, screenshot=tmp_path / "shot.png", size=(640, 400), order=3)
+    assert state.order == 3
+    with Image.open(tmp_path / "shot.png") as file:
+        image = np.asarray(file)
+    assert image.shape == (400, 640, 3)
+    assert len(np.unique(image.reshape(-1, 3), axis=0)) > 100
+
+
+@pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="these systems always have a screen")
+def test_a_window_without_display_is_a_named_error(solution: rad.Solution, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(DisplayError, match="DISPLAY is not set"):
+        view(solution)
+
+
+SESSION = """
+import radiosity as rad
+from radiosity.viewer.window import Window
+
+solution = rad.solve(rad.scenes.cornell_box(), patch_count=100, estimator=rad.MonteCarlo(rays=16), bounces=8)
+window = Window(solution, order=0)
+keys = iter(["Right", "space", None, None, "Up", "q"])
+
+def act(*_):
+    key = next(keys, None)
+    if key:
+        window.plotter.iren.interactor.SetKeySym(key)
+        window.plotter.iren.interactor.InvokeEvent("KeyPressEvent")
+
+window.plotter.iren.add_observer("TimerEvent", act)
+window.run()
+print(type(window.plotter.render_window).__name__ if window.plotter.render_window else "closed", window.state)
+"""
+
+
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
+def test_a_real_window_opens_plays_and_closes(tmp_path: Path) -> None:
+    with (tmp_path / "display").open("w+") as number:
+        screen = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(number.fileno()), "-screen", "0", "1300x800x24", "-nolisten", "tcp"],
+            pass_fds=[number.fileno()],
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            for _ in range(100):
+                if (tmp_path / "display").read_text().strip():
+                    break
+                time.sleep(0.1)
+            display = ":" + (tmp_path / "display").read_text().strip()
+            run = subprocess.run(
+                [sys.executable, "-c", SESSION],
+                env={**os.environ, "DISPLAY": display},
+                capture_output=True,
+                text=True,
+                timeout=120,
+            )
+        finally:
+            screen.terminate()
+            screen.wait()
+    assert run.returncode == 0, run.stderr
+    assert "order=5" in run.stdout, run.stdout  # one by the key, four by playing
+    assert "exposure=0.5" in run.stdout
