@@ -86,6 +86,10 @@ def _parse(content: bytes) -> JSON:
         raise FileFormatError(f"byte {error.start} is not UTF-8 text, and the file is no GLB either") from error
     except json.JSONDecodeError as error:
         raise FileFormatError(f"line {error.lineno}, column {error.colno} is not JSON: {error.msg}") from error
+    except FileFormatError:
+        raise
+    except ValueError as error:
+        raise FileFormatError("the JSON holds a number that is too long") from error
     except RecursionError as error:
         raise FileFormatError("the JSON is nested too deeply to be a scene") from error
     if not isinstance(document, dict) or "asset" not in document:

@@ -18,6 +18,7 @@ UNUSED_EXTENSIONS = {
     "KHR_materials_dispersion": "dispersion",
     "KHR_materials_ior": "index of refraction",
     "KHR_materials_iridescence": "iridescence",
+    "KHR_materials_pbrSpecularGlossiness": "specular-glossiness colours",
     "KHR_materials_sheen": "sheen",
     "KHR_materials_specular": "specular reflection",
     "KHR_materials_transmission": "transmission",

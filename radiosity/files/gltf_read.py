@@ -11,14 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FileFormatError
-from ..scene import FloatArray, IntArray, Scene, Surface
+from ..scene import FloatArray, IntArray, Material, Scene, Surface
 from . import checked
 from .checked import JSON
+from .colours import surfaces_by_colour
 from .defaults import GREY, grey
 from .gltf_accessors import Accessors
 from .gltf_container import load
 from .gltf_exact import KEY, STRENGTH, exact_geometry
 from .gltf_materials import UNUSED_EXTENSIONS, our_extras, read_materials
+from .gltf_textures import Pictures
 from .names import unique_names
 from .notes import Notes
 
@@ -42,6 +44,7 @@ class _Placed:
     vertices: FloatArray
     faces: IntArray
     material: int | None
+    colours: FloatArray | None  # reflectance and emission (M, 6) of each face, where they differ
 
 
 def read_gltf(path: Path, notes: Notes) -> Scene:
@@ -67,15 +70,18 @@ def read_gltf(path: Path, notes: Notes) -> Scene:
     document, buffers = load(path)
     _refuse_unknown(document)
     materials = read_materials(document, notes)
-    reader = _Reader(document, Accessors(document, buffers), notes, len(materials))
+    accessors = Accessors(document, buffers)
+    reader = _Reader(document, accessors, notes, materials, Pictures(document, accessors, path.parent, notes))
     placed = reader.placed()
-    names = unique_names([p.name for p in placed], notes)
-    surfaces = []
-    for name, part in zip(names, placed, strict=True):
+    surfaces: list[Surface] = []
+    for name, part in zip(unique_names([p.name for p in placed], notes), placed, strict=True):
         material = grey() if part.material is None else materials[part.material]
-        if part.material is None:
+        if part.material is None and part.colours is None:
             notes.say(f"surface {name!r} has no material; it gets a grey of reflectance {GREY} (glTF's default is 1)")
-        surfaces.append(Surface(name, part.vertices, part.faces, material))
+        if part.colours is None:
+            surfaces.append(Surface(name, part.vertices, part.faces, material))
+        else:
+            surfaces += surfaces_by_colour(name, part.vertices, part.faces, part.colours, material, notes)
     return _scene(reader.scene, surfaces, path)
 
 
@@ -102,8 +108,10 @@ def _scene(scene: JSON, surfaces: list[Surface], path: Path) -> Scene:
 class _Reader:
     """Walks the nodes of one document."""
 
-    def __init__(self, document: JSON, accessors: Accessors, notes: Notes, materials: int) -> None:
-        self.accessors, self.notes, self.materials = accessors, notes, materials
+    def __init__(
+        self, document: JSON, accessors: Accessors, notes: Notes, materials: list[Material], pictures: Pictures
+    ) -> None:
+        self.accessors, self.notes, self.materials, self.pictures = accessors, notes, materials, pictures
         self.nodes = checked.mappings(document, "nodes", "glTF")
         self.meshes = checked.mappings(document, "meshes", "glTF")
         self.scene = self._chosen_scene(document)
@@ -165,33 +173,34 @@ class _Reader:
         primitives = checked.mappings(mesh, "primitives", f"meshes[{m}]")
         for i, primitive in enumerate(primitives):
             where = f"meshes[{m}].primitives[{i}]"
-            geometry = self._geometry(primitive, node, matrix, where, name)
-            if geometry is None:
-                continue
-            material = None
-            if "material" in primitive:
-                material = checked.index(primitive, "material", where, self.materials, "materials")
-            yield _Placed(name if len(primitives) == 1 else f"{name}_{i + 1}", *geometry, material)
+            part = self._part(primitive, node, matrix, where, name if len(primitives) == 1 else f"{name}_{i + 1}")
+            if part is not None:
+                yield part
 
-    def _geometry(
-        self, primitive: JSON, node: JSON, matrix: FloatArray, where: str, name: str
-    ) -> tuple[FloatArray, IntArray] | None:
+    def _part(self, primitive: JSON, node: JSON, matrix: FloatArray, where: str, name: str) -> _Placed | None:
         mode = checked.integer(primitive, "mode", where, default=TRIANGLES, high=6)
         if mode < TRIANGLES:
             self.notes.skip("points and lines", name)
             return None
         attributes = checked.mapping(primitive, "attributes", where)
         positions = self.accessors.read(attributes, "POSITION", f"{where}.attributes", ("VEC3",))
-        for key, feature in (("COLOR_0", "vertex colours"), ("JOINTS_0", "skinning")):
-            if key in attributes:
-                self.notes.skip(feature, name)
         if primitive.get("targets"):
             self.notes.skip("morph targets", name)
         triangles = self._triangles(primitive, mode, len(positions), where)
-        if len(triangles) == 0:
-            return None
+        material = None
+        if "material" in primitive:
+            material = checked.index(primitive, "material", where, len(self.materials), "materials")
+        base = None if material is None else self.materials[material]
+        colours = self.pictures.face_colours(material, base, attributes, triangles, where)
+        exact = None if colours is not None else our_extras(node)
+        vertices, faces = self._placed_mesh(exact, positions, triangles, matrix, name)
+        return _Placed(name, vertices, faces, material, colours)
+
+    def _placed_mesh(
+        self, extras: JSON | None, positions: NDArray[Any], triangles: IntArray, matrix: FloatArray, name: str
+    ) -> tuple[FloatArray, IntArray]:
+        """Corners in the world and faces; the exact ones where the node has them and they still hold."""
         identity = np.array_equal(matrix, np.eye(4))
-        extras = our_extras(node)
         if extras is not None:
             exact = exact_geometry(extras, self.accessors, positions, triangles, "extras") if identity else None
             if exact is not None:

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileFormatError
-from ..scene import Material
+from ..scene import FloatArray, Material
 from .defaults import GREY
+from .folder import inside
 from .notes import Notes
+from .textures import load_picture
 
 COLOURS = ("Kd", "Ke", "Ks", "Tf")
 NUMBERS = ("d", "Tr", "illum")
@@ -33,6 +35,7 @@ class MtlMaterial:
     name: str
     values: dict[str, list[float]] = field(default_factory=dict)
     texture: dict[str, str] = field(default_factory=dict)
+    _pictures: dict[str, FloatArray] | None = None
 
     def material(self, notes: Notes) -> Material:
         """The diffuse material; what it has beyond that is noted."""
@@ -45,6 +48,21 @@ class MtlMaterial:
         self._note_unused(reflectance, notes)
         radiance = np.array(self.values.get("Ke", [0.0, 0.0, 0.0]))
         return Material(np.array(reflectance), emission=np.pi * radiance, name=self.name)
+
+    def pictures(self, folder: Path, notes: Notes) -> dict[str, FloatArray]:
+        """The pictures of map_Kd and map_Ke, linear; those that cannot be read are noted."""
+        if self._pictures is not None:  # several surfaces may share a material
+            return self._pictures
+        found = {}
+        for key, name in self.texture.items():
+            try:
+                file = inside(name.replace("\\", "/"), key, folder)
+                found[key] = load_picture(file.read_bytes())
+            except (OSError, ValueError) as error:
+                reason = "it is not there" if isinstance(error, FileNotFoundError) else str(error)
+                notes.say(f"{key} {name!r} of material {self.name!r} is not used ({reason}); its plain colour counts")
+        self._pictures = found
+        return found
 
     def _note_unused(self, reflectance: list[float], notes: Notes) -> None:
         if max(self.values.get("Ks", [0.0])) > 0:
@@ -78,7 +96,7 @@ def read_mtl(path: Path, notes: Notes) -> dict[str, MtlMaterial]:
         if keyword in COLOURS or keyword in NUMBERS:
             current.values[keyword] = _numbers(rest, 3 if keyword in COLOURS else 1, where, keyword)
         elif keyword in ("map_Kd", "map_Ke"):
-            current.texture[keyword] = rest
+            current.texture[keyword] = rest.split()[-1] if rest.startswith("-") else rest  # behind its options
         elif keyword.lower() in TEXTURES:
             notes.skip(TEXTURES[keyword.lower()], current.name)
     return found

@@ -12,14 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FileFormatError, GeometryError
-from ..polygons import triangulate
-from ..scene import FloatArray, IntArray, Material, Scene, Surface
+from ..errors import FileFormatError
+from ..scene import FloatArray, Material, Scene, Surface
+from .colours import surfaces_by_colour
+from .cut import compact, cut_polygon, narrow
 from .defaults import GREY, grey
 from .folder import inside
 from .mtl import MtlMaterial, read_mtl
 from .names import unique_names
 from .notes import Notes
+from .textures import mean_over_faces
 
 IGNORED = {"s", "vn", "lod", "shadow_obj", "trace_obj", "maplib", "usemap", "bevel", "c_interp", "d_interp", "mg"}
 FREE_FORM = {
@@ -99,10 +101,16 @@ def read_obj(path: Path, notes: Notes) -> Scene:
     parts = {key: part for key, part in content.parts.items() if part.faces}
     names = unique_names(_part_names(list(parts), path.stem), notes)
     vertices = np.array(content.vertices, dtype=np.float64)
-    surfaces = [
-        _surface(name, part, vertices, _material(library, key[1], name, notes))
-        for name, (key, part) in zip(names, parts.items(), strict=True)
-    ]
+    surfaces: list[Surface] = []
+    for name, (key, part) in zip(names, parts.items(), strict=True):
+        material = _material(library, key[1], name, notes)
+        faces = narrow(np.array(part.faces, dtype=np.int64))
+        pictures = library[key[1]].pictures(path.parent, notes) if key[1] in library else {}
+        if pictures:
+            colours = _face_colours(pictures, np.array(content.texture).reshape(-1, 2), part, material)
+            surfaces += surfaces_by_colour(name, vertices, faces, colours, material, notes)
+        else:
+            surfaces.append(Surface(name, *compact(vertices, faces), material))
     return Scene(tuple(surfaces), name=path.stem)
 
 
@@ -169,7 +177,8 @@ def _face(rest: list[str], number: int, content: _Content) -> None:
         part.faces.append(corners + [-1] * (4 - len(corners)))
         part.texture.append(texture + [-1] * (4 - len(corners)))
         return
-    for a, b, c in _cut(corners, content, number):
+    points = np.array([content.vertices[k] for k in corners])
+    for a, b, c in cut_polygon(points, f"line {number}").tolist():
         part.faces.append([corners[a], corners[b], corners[c], -1])
         part.texture.append([texture[a], texture[b], texture[c], -1])
 
@@ -180,24 +189,6 @@ def _index(word: str, count: int, of: str, number: int) -> int:
     if not (-count <= value < 0 or 0 < value <= count):
         raise FileFormatError(f"line {number}: {of} {value} does not exist; {count} come before this line")
     return value - 1 if value > 0 else count + value
-
-
-def _cut(corners: list[int], content: _Content, number: int) -> list[list[int]]:
-    """Triangles, as places in `corners`, of a polygon with more than four corners, concave ones included."""
-    points = np.array([content.vertices[k] for k in corners])
-    points = points - points.mean(axis=0)
-    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)  # Newell's: twice the area, along the normal
-    keep = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))
-    length = float(np.linalg.norm(normal))
-    if len(keep) < 3 or not length > 1e-14 * float((points**2).sum()):
-        raise FileFormatError(f"line {number}: a polygon of {len(corners)} corners without area; leave it out")
-    u = np.linalg.svd((normal / length)[None, :])[2][1]
-    flat = np.column_stack([points @ u, points @ np.cross(normal / length, u)])
-    try:
-        _, triangles = triangulate(flat[keep])
-    except GeometryError as error:
-        raise FileFormatError(f"line {number}: {error}") from error
-    return [[int(keep[k]) for k in triangle] for triangle in triangles]
 
 
 def _set_object(rest: list[str], _: int, content: _Content) -> None:
@@ -266,9 +257,16 @@ def _part_names(keys: list[tuple[str, str]], stem: str) -> list[str]:
     ]
 
 
-def _surface(name: str, part: _Part, vertices: FloatArray, material: Material) -> Surface:
-    faces: IntArray = np.array(part.faces, dtype=np.int64)
-    used, places = np.unique(faces[faces >= 0], return_inverse=True)
-    compact = np.full_like(faces, -1)
-    compact[faces >= 0] = places
-    return Surface(name, vertices[used], compact if (compact[:, 3] >= 0).any() else compact[:, :3], material)
+def _face_colours(
+    pictures: dict[str, FloatArray], coordinates: FloatArray, part: _Part, material: Material
+) -> FloatArray:
+    """Reflectance and emission (M, 6) of each face: the material's, times the means of its pictures there."""
+    corners = np.array(part.texture, dtype=np.int64)
+    there = ((corners >= 0) == (np.array(part.faces) >= 0)).all(axis=1)  # faces with texture vertices at all corners
+    from_top = np.column_stack([coordinates[:, 0], 1.0 - coordinates[:, 1]])  # OBJ counts from the bottom
+    factors = {key: np.ones((len(corners), 3)) for key in ("map_Kd", "map_Ke")}
+    for key, picture in pictures.items():
+        factors[key][:] = picture.mean(axis=(0, 1))
+        if there.any():
+            factors[key][there] = mean_over_faces(picture, from_top, corners[there])
+    return np.hstack([factors["map_Kd"] * material.reflectance, factors["map_Ke"] * material.emission])

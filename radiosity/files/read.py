@@ -15,6 +15,9 @@ from ..scene import Material, Scene, Surface
 from .gltf_read import read_gltf
 from .notes import Notes
 from .obj import read_obj
+from .off import read_off
+from .ply import read_ply
+from .stl import read_stl
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 """Metres in each unit of length that `read_scene` knows."""
@@ -23,6 +26,9 @@ READERS: dict[str, Callable[[Path, Notes], Scene]] = {
     ".glb": read_gltf,
     ".gltf": read_gltf,
     ".obj": read_obj,
+    ".ply": read_ply,
+    ".stl": read_stl,
+    ".off": read_off,
 }
 
 

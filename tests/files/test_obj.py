@@ -218,3 +218,25 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path):
     (folder / "scene.mtl").symlink_to(tmp_path / "secret.mtl")
     with pytest.raises(FileFormatError, match="a link out of the folder"):
         read(folder, "mtllib scene.mtl\nusemtl a\n" + CUBE + "f 1 2 3 4\n")
+
+
+def test_texture_counts_by_its_mean_over_the_face(tmp_path):
+    """A picture, white above and black below; OBJ counts v from the bottom, so small v is black."""
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(np.array([[[255] * 3] * 2, [[0] * 3] * 2], dtype=np.uint8)).save(tmp_path / "wood grain.png")
+    square = CUBE + "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 0.5\nvt 0 1\nvt 1 1\nmtllib scene.mtl\nusemtl wood\n"
+    obj = square + "o low\nf 1/1 2/2 3/3 4/4\no high\nf 1/4 2/3 3/6 4/5\no bare\nf 1 2 3 4\n"
+    mtl = "newmtl wood\nKd 0.5 1 1\nmap_Kd wood grain.png\nmap_Ke -s 1 1 1 missing.png\n"
+    with pytest.warns(UserWarning, match=r"map_Ke 'missing\.png' of material 'wood' is not used \(it is not there\)"):
+        scene = read(tmp_path, obj, mtl)
+    assert scene.surface_names == ("low", "high", "bare")
+    found = [s.material.reflectance for s in scene.surfaces]
+    assert np.array_equal(found, [[0, 0, 0], [0.5, 1, 1], [0.25, 0.5, 0.5]])
+    assert scene.surfaces[0].faces.shape == (1, 4)
+
+
+def test_pictures_elsewhere_are_not_opened(tmp_path):
+    mtl = "newmtl wood\nKd 0.5 0.5 0.5\nmap_Kd C:\\pictures\\wood.png\n"
+    with pytest.warns(UserWarning, match="only files in the folder of the scene are read"):
+        scene = read(tmp_path, CUBE + "mtllib scene.mtl\nusemtl wood\nf 1 2 3 4\n", mtl)
+    assert np.array_equal(scene.surfaces[0].material.reflectance, [0.5] * 3)
