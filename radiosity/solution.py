@@ -219,9 +219,11 @@ class Solution:
         file = Path(path)
         suffix = file.suffix.lower()
         if suffix in PICTURES:
+            from .files.atomic import replacing
             from .viewer.figures import save_picture
 
-            save_picture(self, file, **settings)
+            with replacing(file) as temporary:
+                save_picture(self, temporary, **settings)
             return
         if settings or suffix not in DATA:
             known = ", ".join(DATA + PICTURES)

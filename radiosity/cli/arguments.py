@@ -1,0 +1,158 @@
+"""Arguments that several commands share, and what they become."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+UNITS = ("m", "cm", "mm", "in", "ft")
+METHODS = ("monte-carlo", "hemicube")
+ONLY_FOR = {"rays": "monte-carlo", "seed": "monte-carlo", "resolution": "hemicube", "samples": "hemicube"}
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """What to light, and by what."""
+    group = parser.add_argument_group("scene")
+    group.add_argument("--unit", choices=UNITS, help="unit of length of a file that names none (default: m)")
+    group.add_argument(
+        "--sky", type=channels, metavar="L", help="radiance of the surroundings, W/(m² sr): one number, or R,G,B"
+    )
+    group.add_argument(
+        "--lamp",
+        type=lamp,
+        action="append",
+        default=[],
+        metavar="SURFACE=E",
+        help="make a surface (or all of a material) emit E W/m²: one number, or R,G,B; may be given again",
+    )
+
+
+def add_solve(parser: argparse.ArgumentParser) -> None:
+    """How finely, how exactly, how far."""
+    group = parser.add_argument_group("patches")
+    size = group.add_mutually_exclusive_group()
+    size.add_argument("--patches", type=count, metavar="N", help="about how many patches (default: 10000)")
+    size.add_argument("--patch-size", type=positive, metavar="M", help="longest edge of a patch, m")
+    group = parser.add_argument_group("form factors")
+    group.add_argument("--method", choices=METHODS, default="monte-carlo", help="(default: %(default)s)")
+    group.add_argument("--rays", type=count, metavar="R", help="rays a patch, for monte-carlo (default: 256)")
+    group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers, for monte-carlo (default: 0)")
+    group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
+    group.add_argument("--samples", type=count, metavar="N", help="points a patch, for hemicube (default: 1)")
+    group = parser.add_argument_group("series")
+    group.add_argument("--bounces", type=natural, metavar="K", help="cut the series after K bounces")
+    group.add_argument(
+        "--rtol", type=positive, default=1e-6, metavar="R", help="else go on until the residual is this small a part"
+        " of the source (default: %(default)s)",
+    )  # fmt: skip
+    group = parser.add_argument_group("work")
+    group.add_argument("--threads", type=count, metavar="N", help="(default: as many as there are processors)")
+    group.add_argument("-q", "--quiet", action="store_true", help="say only what is wrong")
+
+
+def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of `rad.solve`.
+
+    Raises
+    ------
+    ParameterError
+        An option of the one method given to the other.
+    """
+    import radiosity as rad
+
+    for option, method in ONLY_FOR.items():
+        if getattr(args, option) is not None and args.method != method:
+            raise rad.errors.ParameterError(f"--{option} is for --method {method}, not for {args.method}; leave it out")
+    given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
+    return {
+        "patch_count": args.patches,
+        "patch_size": args.patch_size,
+        "estimator": rad.Hemicube(**given) if args.method == "hemicube" else rad.MonteCarlo(**given),
+        "solver": rad.Neumann(rtol=args.rtol),
+        "bounces": args.bounces,
+        "threads": args.threads,
+    }
+
+
+def check_output(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuse an output that cannot be written, before hours of work are put into it.
+
+    Raises
+    ------
+    FileFormatError, MissingFileError, OSError
+    """
+    from ..errors import FileFormatError, MissingFileError
+
+    if path.suffix.lower() not in suffixes:
+        raise FileFormatError(f"{path}: {path.suffix!r} is not written here; choose from {', '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise MissingFileError(f"cannot write {path}: there is no folder {path.parent}; make it first")
+    if path.is_dir():
+        raise FileFormatError(f"cannot write {path}: it is a folder")
+    if not os.access(path.parent, os.W_OK):
+        raise PermissionError(f"cannot write {path}: the folder {path.parent} is not yours to write to")
+
+
+# Types of arguments. argparse puts the name of the option before what they say.
+
+
+def count(text: str) -> int:
+    """A whole number, at least 1."""
+    return _whole(text, 1)
+
+
+def natural(text: str) -> int:
+    """A whole number, at least 0."""
+    return _whole(text, 0)
+
+
+def _whole(text: str, low: int) -> int:
+    try:
+        number = int(text.replace("_", ""))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+    if number < low:
+        raise argparse.ArgumentTypeError(f"{number} is too few; give at least {low}")
+    return number
+
+
+def positive(text: str) -> float:
+    """A number above 0."""
+    number = _number(text)
+    if not 0.0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return number
+
+
+def channels(text: str) -> list[float]:
+    """Numbers with commas between them, one for each channel, none negative.
+
+    >>> channels("17,12,4")
+    [17.0, 12.0, 4.0]
+    """
+    numbers = [_number(part) for part in text.split(",")]
+    if not all(0.0 <= number < math.inf for number in numbers):
+        raise argparse.ArgumentTypeError(f"{text!r} holds a number that is negative or not finite")
+    return numbers
+
+
+def lamp(text: str) -> tuple[str, list[float]]:
+    """A surface and what it emits; the name may hold equals signs.
+
+    >>> lamp("Ceiling=30,28,25")
+    ('Ceiling', [30.0, 28.0, 25.0])
+    """
+    name, equals, light = text.rpartition("=")
+    if not (name and equals):
+        raise argparse.ArgumentTypeError(f"{text!r} is not SURFACE=E, as in Ceiling=30,28,25")
+    return name, channels(light)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None

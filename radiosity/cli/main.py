@@ -1,0 +1,123 @@
+"""Reads the command line, runs one command, and turns what goes wrong into one line and an exit code."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from .._version import __version__
+from ..errors import RadiosityError
+from . import lecture, scenes, solve, view
+from .console import Screen
+
+FAILED, INTERRUPTED = 2, 130  # exit codes; 130 is what shells give a command that Ctrl-C has ended
+GRACE = 1.2  # seconds from Ctrl-C until a library that does not listen is left behind
+
+COMMANDS = (solve, view, lecture, scenes)
+
+DESCRIPTION = """\
+How light fills a room of matt surfaces, bounce by bounce: form factors by hemicube or by Monte Carlo rays, and the
+Neumann series B = E + T E + T² E + …
+"""
+EXAMPLES = """\
+examples:
+  radiosity view                                  the Cornell box, in a window
+  radiosity solve cornell_box -o cornell.npz      a built-in scene, solved and kept
+  radiosity solve room.obj --unit mm --lamp Ceiling=30,28,25 -o room.vtp
+  radiosity view cornell.npz --screenshot cornell.png
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Without the program's name; ``sys.argv[1:]`` by default.
+
+    Returns
+    -------
+    int
+        0 when all went well, 2 when the input or the machine does not allow it, 130 after Ctrl-C.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, ValueError):  # a terminal that lacks ρ shows a question mark for it
+            stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+    try:
+        args = parser().parse_args(argv)
+    except SystemExit as end:
+        return int(end.code or 0)
+    screen = Screen(quiet=getattr(args, "quiet", False))
+    with _interruptible(), screen.warnings():
+        return _run(args, screen)
+
+
+def _run(args: argparse.Namespace, screen: Screen) -> int:
+    """Run a command; errors that are meant for people become one line."""
+    try:
+        args.run(args, screen)
+    except KeyboardInterrupt:
+        screen.error("interrupted; nothing half-written is left")
+        return INTERRUPTED
+    except RadiosityError as error:
+        screen.error(str(error))
+        return FAILED
+    except BrokenPipeError:  # `radiosity … | head` has read enough
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (for the interpreter's own flush at its end)
+        return 1
+    except (OSError, MemoryError) as error:
+        screen.error(f"{type(error).__name__}: {error}")
+        return FAILED
+    return 0
+
+
+def parser() -> argparse.ArgumentParser:
+    """The words that the command line knows."""
+    top = argparse.ArgumentParser(
+        prog="radiosity", description=DESCRIPTION, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    top.add_argument("--version", action="version", version=f"radiosity {__version__}")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        name = command.__name__.rpartition(".")[2]
+        own = commands.add_parser(
+            name,
+            help=command.HELP,
+            description=command.HELP[0].upper() + command.HELP[1:] + ".",
+            epilog=command.EXAMPLES,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        command.add_arguments(own)
+        own.set_defaults(run=command.run)
+    return top
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Have Ctrl-C end the program soon, also while compiled code runs that does not listen.
+
+    Python raises KeyboardInterrupt between two of its own steps; a compiler or a window's event loop may not
+    take one for long. What is being written is in a temporary file until it is whole, so that leaving is safe.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(*_: Any) -> None:
+        leave = threading.Timer(GRACE, os._exit, (INTERRUPTED,))
+        leave.daemon = True
+        leave.start()
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

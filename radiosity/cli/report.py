@@ -1,0 +1,94 @@
+"""What a solve has to tell, as tables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    import radiosity as rad
+
+FIRST_BOUNCES = 10
+CHANNEL_NAMES = {1: ("power, W",), 3: ("red, W", "green, W", "blue, W")}
+
+
+def print_report(solution: rad.Solution, console: Console) -> None:
+    """Patches, form factors, defects, seconds, power of each bounce, and whether it converged."""
+    console.print(_facts(solution))
+    if solution.power is not None:
+        console.print(_bounces(solution.power))
+    style = "green" if solution.converged else "bold yellow"
+    console.print(solution.status, style=style, markup=False, highlight=False, soft_wrap=True)
+
+
+def _facts(solution: rad.Solution) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title=solution.scene.name, title_justify="left", box=box.SIMPLE_HEAD, show_header=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column()
+    for name, value in _rows(solution):
+        table.add_row(name, value)
+    return table
+
+
+def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
+    from ..solution import seconds
+
+    patches, factors, balance = solution.patches, solution.factors, solution.balance
+    entries = factors.matrix.nnz
+    kind = "closed" if patches.closed else "open"
+    rows = [
+        ("patches", f"{len(patches):,} on {len(patches.surface_names)} surfaces, {kind}"),
+        ("form factors", f"{factors.estimator}"),
+        ("non-zeros", f"{entries:,} ({entries / len(patches) ** 2:.2%}), {_bytes(factors)}"),
+        ("closure defect", f"{np.abs(factors.closure_defect).max():.2g} at most in a row"),
+        ("reciprocity defect", f"{factors.reciprocity_defect:.2g} of all exchange (raw factors: sampling error)"),
+    ]
+    if leaked := solution.statistics.get("rays/leaked"):
+        rows.append(("leaks", f"{leaked:,} rays of {solution.statistics['rays/traced']:,} left a closed scene"))
+    put_in = float(balance.put_in.sum()) or 1.0
+    shares = {
+        name: f"{float(part.sum()):.4g} W {name} ({float(part.sum()) / put_in:.1%})"
+        for name, part in (("absorbed", balance.absorbed), ("escaped", balance.to_sky), ("on backs", balance.to_backs))
+        if part.any()
+    }
+    rows.append(("power", ", ".join([f"{float(balance.put_in.sum()):.4g} W put in", *shares.values()])))
+    rows.append(("energy defect", f"{balance.defect:+.2%}"))
+    stages = seconds(solution.statistics)
+    parts = ", ".join(f"{stage} {s:.2f}" for stage, s in stages.items())
+    rows.append(("seconds", f"{parts}; together {sum(stages.values()):.2f}"))
+    return rows
+
+
+def _bytes(factors: Any) -> str:
+    matrix = factors.matrix
+    return f"{(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes) / 1e6:.1f} MB"
+
+
+def _bounces(power: Any) -> Table:
+    """Power of the first bounces and of the last, by channel, and the share that is left."""
+    from rich import box
+    from rich.table import Table
+
+    channels = power.shape[1]
+    if channels not in CHANNEL_NAMES:
+        power, channels = power.sum(axis=1, keepdims=True), 1
+    table = Table(title="power by bounce", title_justify="left", box=box.SIMPLE_HEAD)
+    table.add_column("bounce", justify="right")
+    for name in (*CHANNEL_NAMES[channels], "of the first"):
+        table.add_column(name, justify="right")
+    total = power.sum(axis=1)
+    first = next((watts for watts in total if watts > 0), 1.0)  # of a scene lit by the sky: order 1
+    shown = range(len(power)) if len(power) <= FIRST_BOUNCES + 2 else [*range(FIRST_BOUNCES), -1]
+    for k in shown:
+        if k == -1:
+            table.add_row(*["…"] * (channels + 2))
+        watts = [f"{watts:.4g}" for watts in power[k]]
+        table.add_row(str(k % len(power)), *watts, f"{100 * total[k] / first:.3g} %")
+    return table
