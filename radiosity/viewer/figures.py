@@ -101,14 +101,16 @@ def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[i
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     series = Series.of(solution)
+    shown = columns(series.last) if orders is None else list(orders)
     written = [folder / "orders.png", folder / "power.png", folder / "sum.png"]
-    with Stage(solution.patches) as stage:
-        last = start(series, order=series.last)
+    last = start(series, order=series.last)
+    with Stage(solution.patches, (2 * SHEET_PANE, 2 * SHEET_PANE)) as stage:
         save_image(written[2], stage.image(series, last, "sum"))
-        for k in columns(series.last) if orders is None else orders:
+        for k in shown:
             written.append(folder / f"order_{k}.png")
             save_image(written[-1], stage.image(series, last.at(k), "order"))
-    save_figure(contact_sheet(solution, series=series, orders=orders), written[0])
+        sheet = _sheet(solution, series, shown, last, stage)
+    save_figure(sheet, written[0])
     save_figure(power_plot(series), written[1])
     return written
 
@@ -139,13 +141,13 @@ def save_image(path: str | Path, image: NDArray[np.uint8]) -> Path:
     """Write pixels (height, width, 3) as PNG."""
     from PIL import Image
 
-    Image.fromarray(image).save(path)
+    Image.fromarray(image).save(path, format="PNG", compress_level=3)
     return Path(path)
 
 
 def save_figure(figure: Figure, path: str | Path, dpi: float = 100.0) -> Path:
     """Write a figure on its own paper."""
-    figure.savefig(path, dpi=dpi, facecolor=figure.get_facecolor())
+    figure.savefig(path, dpi=dpi, facecolor=figure.get_facecolor(), format="png", pil_kwargs={"compress_level": 3})
     return Path(path)
 
 
@@ -196,25 +198,36 @@ def contact_sheet(
     series = series or Series.of(solution)
     shown = columns(series.last) if orders is None else list(orders)
     state = start(series, **settings)
+    with Stage(solution.patches, (2 * pane_size, 2 * pane_size), camera, state.preset) as stage:
+        return _sheet(solution, series, shown, state, stage)
+
+
+def _sheet(solution: Solution, series: Series, shown: Sequence[int], state: ViewState, stage: Stage) -> Figure:
+    """The contact sheet, with panes half the size of the stage."""
     rows: list[tuple[Pane, bool, str]] = [
         ("order", False, "each bounce,\ncommon exposure"),
         ("order", True, "each bounce,\nits own exposure"),
         ("sum", False, "all light so far"),
     ]
-    sheet = _Sheet(len(shown), len(rows), pane_size)
-    with Stage(solution.patches, (pane_size, pane_size), camera, state.preset) as stage:
-        for row, (pane, normalised, title) in enumerate(rows):
-            sheet.row_title(row, title)
-            for column, k in enumerate(shown):
-                here = replace(state.at(k), normalised=normalised)
-                words = display.factor_text(float(series.own[k])) if normalised else in_words(k)
-                if pane == "sum":
-                    words = "" if column else "the lamps"
-                elif normalised and not series.orders[k].any():
-                    words = "no light of this order"
-                sheet.pane(row, column, stage.image(series, here, pane), mathtext(k, pane), words)
+    sheet = _Sheet(len(shown), len(rows), stage.plotter.window_size[0] // 2)
+    for row, (pane, normalised, title) in enumerate(rows):
+        sheet.row_title(row, title)
+        for column, k in enumerate(shown):
+            here = replace(state.at(k), normalised=normalised)
+            words = display.factor_text(float(series.own[k])) if normalised else in_words(k)
+            if pane == "sum":
+                words = "" if column else "the lamps"
+            elif normalised and not series.orders[k].any():
+                words = "no light of this order"
+            sheet.pane(row, column, halved(stage.image(series, here, pane)), mathtext(k, pane), words)
     sheet.foot(f"{solution.patches.name} · {len(solution.patches):,} patches · {caption(series, state, 'sum')}")
     return sheet.figure
+
+
+def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A picture at half its size, each pixel the mean light of four."""
+    light = display.decode_srgb(image)
+    return display.encode_srgb(0.25 * (light[::2, ::2] + light[1::2, ::2] + light[::2, 1::2] + light[1::2, 1::2]))
 
 
 class _Sheet:
@@ -265,9 +278,9 @@ def power_plot(series: Series, order: int | None = None, size: tuple[float, floa
     size : (float, float)
         Inches at 100 dpi.
     """
-    figure = Figure(figsize=size, dpi=100, facecolor=PAPER, layout="constrained")
+    figure = Figure(figsize=size, dpi=100, facecolor=PAPER)
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    axes = figure.add_axes((0.11, 0.13, 0.86, 0.83))
     draw_power(axes, series, order)
     return figure
 

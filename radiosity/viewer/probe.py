@@ -6,7 +6,7 @@ import functools
 import os
 import subprocess
 import sys
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ..errors import DisplayError
 
@@ -43,6 +43,14 @@ sys.exit(0 if red > 250 and 120 < green < 136 and blue < 5 else 3)
 """
 
 
+class Drawn(NamedTuple):
+    """How the process ended, and what it wrote."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
 def has_display() -> bool:
     """Whether there is a screen to open a window on. Windows and macOS always have one."""
     if sys.platform in ("win32", "darwin"):
@@ -51,14 +59,30 @@ def has_display() -> bool:
 
 
 @functools.cache
-def _drawn(where: Where, display: str | None) -> subprocess.CompletedProcess[str] | None:  # noqa: ARG001 (cache key)
-    """Try to draw one picture in a fresh Python; None if it did not end in time."""
+def _begun(where: Where, display: str | None) -> subprocess.Popen[str]:  # noqa: ARG001 (what the answer depends on)
+    """Start to draw one picture in a fresh Python."""
+    return subprocess.Popen(
+        [sys.executable, "-c", DRAW, where], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@functools.cache
+def _drawn(where: Where, display: str | None) -> Drawn | None:
+    """How drawing one picture ended; None if it did not end in time."""
+    process = _begun(where, display)
     try:
-        return subprocess.run(
-            [sys.executable, "-c", DRAW, where], capture_output=True, text=True, timeout=SECONDS, check=False
-        )
+        said, complained = process.communicate(timeout=SECONDS)
     except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
         return None
+    return Drawn(process.returncode, said, complained)
+
+
+def begin(where: Where = "off-screen") -> None:
+    """Start the test picture now, so that a later `require` need not wait for it: it takes about a second."""
+    if where == "off-screen" or has_display():
+        _begun(where, os.environ.get("DISPLAY"))
 
 
 def can_draw(where: Where = "off-screen") -> bool:
@@ -104,7 +128,7 @@ def hush() -> None:
         vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 
-def _explanation(where: Where, run: subprocess.CompletedProcess[str]) -> str:
+def _explanation(where: Where, run: Drawn) -> str:
     """What to tell a person about a test picture that failed."""
     said = [line.strip() for line in run.stderr.splitlines() if line.strip()]
     last = f" ({said[-1][:200]})" if said else ""

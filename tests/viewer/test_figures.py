@@ -117,10 +117,10 @@ def test_contact_sheet_keeps_words_off_the_pictures(solution, series, tmp_path: 
     path = figures.save_figure(figure, tmp_path / "sheet.png")
     sheet = pixels(path)
     assert sheet.shape[:2] == tuple(int(v) for v in figure.get_size_inches()[::-1] * 100)
-    with figures.Stage(solution.patches, (160, 160)) as stage:
+    with figures.Stage(solution.patches, (320, 320)) as stage:
         for row, (pane, own) in enumerate([("order", False), ("order", True), ("sum", False)]):
             for column, k in enumerate([0, 1, 5]):
-                alone = stage.image(series, start(series, order=k, normalised=own), pane)
+                alone = figures.halved(stage.image(series, start(series, order=k, normalised=own), pane))
                 x = figures._Sheet.left + column * (160 + figures._Sheet.gap)
                 y = row * (160 + figures._Sheet.head) + figures._Sheet.head
                 pasted = sheet[y : y + 160, x : x + 160]
@@ -129,6 +129,13 @@ def test_contact_sheet_keeps_words_off_the_pictures(solution, series, tmp_path: 
     assert "$T^{5} L_e$" in words
     assert r"$\sum_{j=0}^{5} T^j L_e$" in words
     assert any(word.startswith("×") and word.endswith(" EV") for word in words)
+
+
+def test_halving_keeps_the_light() -> None:
+    """Half the pixels white is half the light, not the half of the codes."""
+    board = np.zeros((4, 4, 3), dtype=np.uint8)
+    board[::2, ::2] = board[1::2, 1::2] = 255
+    assert np.array_equal(figures.halved(board), np.full((2, 2, 3), 188))
 
 
 def test_columns_of_a_long_series_reach_its_end() -> None:
