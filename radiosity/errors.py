@@ -72,6 +72,10 @@ class GeometryWarning(RadiosityWarning):
     """A mesh holds something harmless that is left out, or suspicious that is kept."""
 
 
+class FormFactorWarning(RadiosityWarning):
+    """Form factors were changed, or are wrong, by more than their sampling error explains."""
+
+
 class UnlitSceneWarning(RadiosityWarning):
     """Nothing in a scene emits, and neither does the sky: everything will be black."""
 
