@@ -4,6 +4,8 @@ from . import scenes as scenes
 from ._version import __version__ as __version__
 from .errors import RadiosityError as RadiosityError
 from .errors import RadiosityWarning as RadiosityWarning
+from .exchange import TotalExchange as TotalExchange
+from .exchange import total_exchange_factors as total_exchange_factors
 from .files import read_scene as read_scene
 from .files.solutions import read_solution as read_solution
 from .files import write_scene as write_scene
@@ -11,6 +13,7 @@ from .form_factors import FormFactors as FormFactors
 from .form_factors import Hemicube as Hemicube
 from .form_factors import MonteCarlo as MonteCarlo
 from .form_factors import form_factors as form_factors
+from .form_factors.surfaces import SurfaceFactors as SurfaceFactors
 from .patches import Patches as Patches
 from .patches import subdivide as subdivide
 from .path_tracer import PathTracer as PathTracer

@@ -15,6 +15,8 @@ from ..sparse import csr_matmul
 if TYPE_CHECKING:
     from typing import Self
 
+    from .surfaces import SurfaceFactors
+
 FloatArray = NDArray[np.float64]
 
 ROW_SUM_TOLERANCE = 1e-6  # float32 weights of one row add up to this near
@@ -141,6 +143,33 @@ class FormFactors:
         if size == 0.0:
             return 0.0
         return float(np.sqrt(np.sum((exchange - exchange.T).data ** 2)) / size)
+
+    def between_surfaces(self, surface: ArrayLike | None = None, names: tuple[str, ...] = ()) -> SurfaceFactors:
+        """Form factors between whole surfaces, area-weighted, with standard errors where there are any.
+
+        Parameters
+        ----------
+        surface : array_like of int (N,), optional
+            Another grouping than by the scene's surfaces: the number of each patch's group.
+        names : tuple of str, optional
+            Of those groups.
+
+        Returns
+        -------
+        SurfaceFactors
+            ``print`` it for a table. See `radiosity.form_factors.surfaces`.
+
+        Examples
+        --------
+        >>> import radiosity as rad
+        >>> patches = rad.subdivide(rad.scenes.furnace(), patch_count=24)
+        >>> table = rad.form_factors(patches, rad.MonteCarlo(rays=4096)).between_surfaces()
+        >>> round(table.factor("floor", "ceiling"), 2)
+        0.2
+        """
+        from .surfaces import between_surfaces
+
+        return between_surfaces(self, surface, names)
 
     def exchange_area(self) -> csr_array:
         """G[i, j] = A[i] F[i, j], m², float64 (N, N); symmetric up to the sampling error."""
