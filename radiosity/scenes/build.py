@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..polygons import triangulate
+from ..trapezoids import trapezoids
 from ..scene import Material, Surface
 
 FloatArray = NDArray[np.float64]
@@ -136,8 +136,8 @@ def block(footprint: ArrayLike, bottom: float, top: float, closed: bool) -> Mesh
 def floor_around(outline: ArrayLike, footprints: Sequence[ArrayLike], height: float = 0.0) -> Mesh:
     """A floor, facing up, without the parts that stand under something.
 
-    Covered parts of a floor see nothing and darken the patches they belong to, so they are cut away. The
-    triangles have the corners of outline and footprints and no others, so that blocks and walls meet them edge to edge.
+    Covered parts of a floor see nothing and darken the patches they belong to, so they are cut away. What is left is cut
+    into trapezoids, which divide into even patches.
 
     Parameters
     ----------
@@ -148,9 +148,13 @@ def floor_around(outline: ArrayLike, footprints: Sequence[ArrayLike], height: fl
     height : float
         y of the floor, m.
     """
-    points, triangles = triangulate(outline, footprints)
-    x, z = points.T
-    return np.column_stack([x, np.full(len(points), height), z]), triangles[:, ::-1]
+    pieces = trapezoids(outline, footprints)
+    x, z = pieces.reshape(-1, 2).T
+    corner = 4 * np.arange(len(pieces))[:, None]
+    triangle = (pieces[:, 2] == pieces[:, 3]).all(axis=1)
+    faces = corner + np.where(triangle[:, None], [2, 1, 0, 3], [3, 2, 1, 0])
+    faces[triangle, 3] = -1
+    return np.column_stack([x, np.full(len(x), height), z]), faces
 
 
 def frame(low: ArrayLike, high: ArrayLike, facing: int, hole: Range) -> Mesh:
