@@ -8,6 +8,7 @@ not mind as long as those edges are straight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -62,7 +63,7 @@ def trapezoids(outline: ArrayLike, holes: Sequence[ArrayLike] = ()) -> FloatArra
 
 
 def _mirrored(piece: FloatArray) -> FloatArray:
-    """x and y exchanged, and the sense of rotation with them."""
+    """Exchange x and y, and turn the sense of rotation with them."""
     if (piece[2] == piece[3]).all():
         return piece[[2, 1, 0, 0], ::-1]
     return piece[::-1, ::-1]
@@ -76,7 +77,7 @@ def _sweep(loops: list[FloatArray]) -> FloatArray:
     stops = np.unique(edges[:, :, 0])
     found: list[FloatArray] = []
     open_since: dict[tuple[int, int], float] = {}
-    for left, right in zip(stops[:-1], stops[1:], strict=True):
+    for left, right in pairwise(stops.tolist()):
         across = np.flatnonzero((edges[:, 0, 0] <= left) & (edges[:, 1, 0] >= right))
         middle = [_height(edges[k], 0.5 * (left + right)) for k in across]
         order = across[np.argsort(middle)].tolist()
@@ -85,12 +86,12 @@ def _sweep(loops: list[FloatArray]) -> FloatArray:
             found.append(_trapezoid(edges, pair, open_since.pop(pair), left))
         for pair in pairs - open_since.keys():
             open_since[pair] = left
-    found += [_trapezoid(edges, pair, start, stops[-1]) for pair, start in sorted(open_since.items())]
+    found += [_trapezoid(edges, pair, start, float(stops[-1])) for pair, start in sorted(open_since.items())]
     return np.array(found)
 
 
 def _height(edge: FloatArray, x: float) -> float:
-    """y of an edge at x, exact at its ends."""
+    """Height of an edge at x, exact at its ends."""
     (x0, y0), (x1, y1) = edge
     if x == x1:
         return float(y1)

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..trapezoids import trapezoids
 from ..scene import Material, Surface
+from ..trapezoids import trapezoids
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -136,8 +136,8 @@ def block(footprint: ArrayLike, bottom: float, top: float, closed: bool) -> Mesh
 def floor_around(outline: ArrayLike, footprints: Sequence[ArrayLike], height: float = 0.0) -> Mesh:
     """A floor, facing up, without the parts that stand under something.
 
-    Covered parts of a floor see nothing and darken the patches they belong to, so they are cut away. What is left is cut
-    into trapezoids, which divide into even patches.
+    Covered parts of a floor see nothing and darken the patches they belong to, so they are cut away. What is left
+    is cut into trapezoids, which divide into even patches.
 
     Parameters
     ----------
