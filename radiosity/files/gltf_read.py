@@ -97,7 +97,7 @@ def _refuse_unknown(document: JSON) -> None:
 
 def _scene(scene: JSON, surfaces: list[Surface], path: Path) -> Scene:
     extras = our_extras(scene) or {}
-    name = checked.text(extras, "name", "extras", default=checked.text(scene, "name", "scene") or path.stem)
+    name = checked.text(extras, "name", "extras", default=path.stem)  # of others, most scenes are named "Scene"
     closed = extras.get("closed")
     if closed not in (None, True, False):
         raise FileFormatError(f"the scene's extras.{KEY}.closed is {closed!r}; expected true, false or null")

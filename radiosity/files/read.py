@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import FileFormatError, MissingFileError, ParameterError, RadiosityError
+from ..errors import FileFormatError, GeometryWarning, MissingFileError, ParameterError, RadiosityError
+from ..overlaps import overlaps
 from ..scene import Material, Scene, Surface
 from .gltf_read import read_gltf
 from .notes import Notes
@@ -79,6 +81,8 @@ def read_scene(
     -----
     UnusedFeatureWarning
         The file holds features that a diffuse solver does not use.
+    GeometryWarning
+        Surfaces lie in each other, as a floor and the bottom of a box that stands on it.
     """
     file = _checked_path(path)
     notes = Notes()
@@ -88,6 +92,7 @@ def read_scene(
         raise type(error)(f"{file}: {error}") from error
     notes.warn(str(file))
     scene = _scaled(scene, _metres(unit, file))
+    _warn_of_overlaps(scene, file)
     if materials:
         scene = _with_materials(scene, materials)
     if lamps:
@@ -113,6 +118,25 @@ def _checked_path(path: str | os.PathLike[str]) -> Path:
     if start.lstrip(b"\xef\xbb\xbf \t\r\n").lower().startswith((b"<!doctype html", b"<html")):
         raise FileFormatError(f"{file} is a web page (HTML), not a scene; download the file itself")
     return file
+
+
+def _warn_of_overlaps(scene: Scene, file: Path) -> None:
+    if not (found := overlaps(scene)):
+        return
+    names = scene.surface_names
+    shown = [
+        f"{names[o.first]!r} and {names[o.second]!r} over {o.area:.3g} m²"
+        if o.first != o.second
+        else f"faces of {names[o.first]!r}, doubled, over {o.area:.3g} m²"
+        for o in found[:5]
+    ]
+    more = f", and {len(found) - 5} more" if len(found) > 5 else ""
+    warnings.warn(
+        f"{file}: surfaces lie in each other: {'; '.join(shown)}{more}; what is covered sees nothing, and patches on "
+        "its border come out too dark: cut it away or leave a gap, and make one two-sided face of doubled ones",
+        GeometryWarning,
+        stacklevel=3,
+    )
 
 
 def _metres(unit: str | None, file: Path) -> float:

@@ -31,8 +31,8 @@ def cornell_box(spectral: bool = False) -> Scene:
         False: three channels, linear sRGB primaries, lamp of radiance (17, 12, 4) W/(m² sr), so of exitance π times
         that. True: the 76 measured bands of 4 nm from 400 to 700 nm. The lamp's spectrum is known up to a factor only;
         its relative values (0, 8, 15.6, 18.4 at 400, 500, 600, 700 nm) are taken as radiance, W/(m² sr), of each band.
-        Averaged over the eye's response they come within some percent of the luminance of the RGB lamp (12.5), so
-        that both scenes need about the same exposure.
+        Weighted by the CIE 1931 response ȳ they have a mean of 12.4, the luminance of the RGB lamp is 12.5: both
+        scenes need the same exposure.
 
     Returns
     -------

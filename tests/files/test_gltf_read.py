@@ -101,18 +101,18 @@ def test_transforms_of_parents_and_mirrors(read):
 
 def test_one_mesh_in_two_nodes_and_two_primitives(read):
     gltf = one_triangle()
-    gltf.primitive(indices=[0, 2, 1], material=0)
-    gltf.document["nodes"] = [{"mesh": 0, "name": "chair"}, {"mesh": 0, "name": "chair", "translation": [0, 0, 1]}]
-    gltf.document["scenes"] = [{"nodes": [0, 1], "name": "café"}]
+    gltf.primitive(np.add(TRIANGLE, [0, 0, 1]), [0, 2, 1], material=0)
+    gltf.document["nodes"] = [{"mesh": 0, "name": "chair"}, {"mesh": 0, "name": "chair", "translation": [0, 0, 9]}]
+    gltf.document["scenes"] = [{"nodes": [0, 1], "name": "Scene"}]
     with pytest.warns(UserWarning, match="'chair_1' × 2"):
         scene = read(gltf)
     assert scene.surface_names == ("chair_1", "chair_2", "chair_1_2", "chair_2_2")
-    assert scene.name == "café"
+    assert scene.name == "scene"  # the file's
 
 
 def test_only_the_chosen_scene_is_read(read):
     gltf = one_triangle()
-    gltf.document["nodes"] = [{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b"}]
+    gltf.document["nodes"] = [{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "translation": [0, 0, 1]}]
     gltf.document["scenes"] = [{"nodes": [0]}, {"nodes": [1]}]
     gltf.document["scene"] = 1
     assert read(gltf).surface_names == ("b",)

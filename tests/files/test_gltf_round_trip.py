@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radiosity import scenes
-from radiosity.errors import FileFormatError, MissingFileError
+from radiosity.errors import FileFormatError, GeometryWarning, MissingFileError
 from radiosity.files import read_scene, write_scene
 from radiosity.scene import Material, Scene, Surface
 
@@ -59,7 +59,9 @@ def any_scene(draw):
 def test_write_then_read_is_the_same_scene(tmp_path_factory, scene, suffix):
     path = tmp_path_factory.getbasetemp() / f"any{suffix}"
     write_scene(scene, path)
-    assert_same_scene(read_scene(path), scene)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", GeometryWarning)  # faces drawn at random lie in each other now and then
+        assert_same_scene(read_scene(path), scene)
 
 
 @pytest.mark.parametrize(
@@ -141,12 +143,12 @@ def test_stale_exact_material_gives_way_with_a_warning(tmp_path):
 
 def test_stale_exact_mesh_gives_way_with_a_warning(tmp_path):
     def move(document):
-        document["nodes"][0]["translation"] = [0, 1, 0]
+        document["nodes"][0]["translation"] = [0, -1, 0]
 
     write_scene(scenes.furnace(), tmp_path / "scene.gltf")
     with pytest.warns(UserWarning, match="'floor' was changed"):
         scene = read_scene(edited(tmp_path / "scene.gltf", move))
-    assert (scene.surfaces[0].vertices[:, 1] == 1).all()
+    assert (scene.surfaces[0].vertices[:, 1] == -1).all()
 
 
 def test_failed_write_leaves_the_old_file_and_no_rubbish(tmp_path):

@@ -49,10 +49,14 @@ def test_groups_materials_and_negative_indices(tmp_path):
         f -3 -2 \\
           -1
         g shelf
+        v 0 5 0
+        v 1 5 0
+        v 0 5 1
+        v 1 6 1
         usemtl white
-        f 1 2 3
+        f 8 9 10
         usemtl dark
-        f 1 3 4
+        f 8 9 11
         """
     mtl = """\
         # a comment
@@ -82,7 +86,8 @@ def test_groups_materials_and_negative_indices(tmp_path):
 def test_objects_as_blender_writes_them(tmp_path):
     obj = (
         CUBE
-        + "vt 0 0\nvn 0 0 1\ns 0\no Wall\nf 1/1/1 2/1/1 3/1/1 4/1/1\no Door\nf 1//1 2//1 3//1\no Bare\nf 1/1 2/1 4/1\n"
+        + "v 0 0 9\nv 9 9 9\nvt 0 0\nvn 0 0 1\ns 0\no Wall\nf 1/1/1 2/1/1 3/1/1 4/1/1\n"
+        + "o Door\nf 1//1 2//1 5//1\no Bare\nf 1/1 2/1 6/1\n"
     )
     with pytest.warns(UserWarning, match="no material"):
         scene = read(tmp_path, obj)
@@ -124,7 +129,8 @@ Kd 0.5 0.5 0.5
 d 0.3
 map_Bump bumps.png
 """
-    obj = "mtllib scene.mtl\n" + CUBE + "usemtl gloss\nf 1 2 3\nusemtl mirror\nf 1 3 4\nusemtl glass\nf 2 3 4\nl 1 2\n"
+    obj = "mtllib scene.mtl\n" + CUBE + "usemtl gloss\nf 1 2 3\nusemtl mirror\nf 1 3 4\n"
+    obj += "usemtl glass\nv 0 0 9\nf 2 3 5\nl 1 2\n"
     with pytest.warns(UnusedFeatureWarning) as caught:
         scene = read(tmp_path, obj, mtl)
     assert len(caught) == 1
@@ -225,7 +231,8 @@ def test_texture_counts_by_its_mean_over_the_face(tmp_path):
     image = pytest.importorskip("PIL.Image")
     image.fromarray(np.array([[[255] * 3] * 2, [[0] * 3] * 2], dtype=np.uint8)).save(tmp_path / "wood grain.png")
     square = CUBE + "vt 0 0\nvt 1 0\nvt 1 0.5\nvt 0 0.5\nvt 0 1\nvt 1 1\nmtllib scene.mtl\nusemtl wood\n"
-    obj = square + "o low\nf 1/1 2/2 3/3 4/4\no high\nf 1/4 2/3 3/6 4/5\no bare\nf 1 2 3 4\n"
+    obj = square + "o low\nf 1/1 2/2 3/3 4/4\n"
+    obj += "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\no high\nf 5/4 6/3 7/6 8/5\no bare\nf 1 2 6 5\n"
     mtl = "newmtl wood\nKd 0.5 1 1\nmap_Kd wood grain.png\nmap_Ke -s 1 1 1 missing.png\n"
     with pytest.warns(UserWarning, match=r"map_Ke 'missing\.png' of material 'wood' is not used \(it is not there\)"):
         scene = read(tmp_path, obj, mtl)

@@ -9,7 +9,7 @@ from radiosity.files import read_scene, write_scene
 from radiosity.scene import Material
 from radiosity.scenes import red_rug
 
-OBJ = "v 0 0 0\nv 10 0 0\nv 0 10 0\nusemtl paint\no wall\nf 1 2 3\no shelf\nf 3 2 1\n"
+OBJ = "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nusemtl paint\no wall\nf 1 2 3\no shelf\nf 1 4 2\n"
 MTL = "newmtl paint\nKd 0.5 0.5 0.5\nKe 1 1 1\n"
 
 
