@@ -10,6 +10,9 @@ from typing import Any
 
 UNITS = ("m", "cm", "mm", "in", "ft")
 METHODS = ("monte-carlo", "hemicube")
+SOLVE_OPTIONS = (
+    "unit", "patches", "patch_size", "method", "rays", "seed", "resolution", "samples", "bounces", "rtol", "threads",
+)  # fmt: skip
 ONLY_FOR = {"rays": "monte-carlo", "seed": "monte-carlo", "resolution": "hemicube", "samples": "hemicube"}
 
 
@@ -37,7 +40,7 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     size.add_argument("--patches", type=count, metavar="N", help="about how many patches (default: 10000)")
     size.add_argument("--patch-size", type=positive, metavar="M", help="longest edge of a patch, m")
     group = parser.add_argument_group("form factors")
-    group.add_argument("--method", choices=METHODS, default="monte-carlo", help="(default: %(default)s)")
+    group.add_argument("--method", choices=METHODS, help="(default: monte-carlo)")
     group.add_argument("--rays", type=count, metavar="R", help="rays a patch, for monte-carlo (default: 256)")
     group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers, for monte-carlo (default: 0)")
     group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
@@ -45,9 +48,11 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("series")
     group.add_argument("--bounces", type=natural, metavar="K", help="cut the series after K bounces")
     group.add_argument(
-        "--rtol", type=positive, default=1e-6, metavar="R", help="else go on until the residual is this small a part"
-        " of the source (default: %(default)s)",
-    )  # fmt: skip
+        "--rtol",
+        type=positive,
+        metavar="R",
+        help="else go on until the residual is this small a part of the source (default: 1e-6)",
+    )
     group = parser.add_argument_group("work")
     group.add_argument("--threads", type=count, metavar="N", help="(default: as many as there are processors)")
     group.add_argument("-q", "--quiet", action="store_true", help="say only what is wrong")
@@ -63,18 +68,33 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     """
     import radiosity as rad
 
-    for option, method in ONLY_FOR.items():
-        if getattr(args, option) is not None and args.method != method:
-            raise rad.errors.ParameterError(f"--{option} is for --method {method}, not for {args.method}; leave it out")
+    method = args.method or METHODS[0]
+    for option, its_method in ONLY_FOR.items():
+        if getattr(args, option) is not None and method != its_method:
+            raise rad.errors.ParameterError(f"--{option} is for --method {its_method}, not for {method}; leave it out")
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
     return {
         "patch_count": args.patches,
         "patch_size": args.patch_size,
-        "estimator": rad.Hemicube(**given) if args.method == "hemicube" else rad.MonteCarlo(**given),
-        "solver": rad.Neumann(rtol=args.rtol),
+        "estimator": rad.Hemicube(**given) if method == "hemicube" else rad.MonteCarlo(**given),
+        "solver": rad.Neumann() if args.rtol is None else rad.Neumann(rtol=args.rtol),
         "bounces": args.bounces,
         "threads": args.threads,
     }
+
+
+def refuse_solve_settings(args: argparse.Namespace, why: str) -> None:
+    """Refuse options that would not be used.
+
+    Raises
+    ------
+    ParameterError
+    """
+    from ..errors import ParameterError
+
+    for option in SOLVE_OPTIONS:
+        if getattr(args, option) is not None:
+            raise ParameterError(f"--{option.replace('_', '-')} would not be used: {why}; leave it out")
 
 
 def check_output(path: Path, suffixes: tuple[str, ...]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +92,13 @@ class Screen:
                 bars.update(stages[stage], completed=done, total=total)
 
             yield tell
+
+    @contextmanager
+    def working(self, what: str) -> Iterator[None]:
+        """A sign of life for work that does not tell how far it is."""
+        shown = not self.quiet and self.err.is_terminal
+        with self.err.status(what) if shown else nullcontext(), self._compiling():
+            yield
 
     @contextmanager
     def _compiling(self) -> Iterator[None]:

@@ -34,15 +34,14 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
             screen.out.print(f"{name:<12} {lecture.title} ({lecture.minutes:g} minutes)", highlight=False, markup=False)
         return
     lecture = lectures.find(args.name)
-    with screen.progress() as tell:
-        tell("solving", 0, 1)
+    with screen.working(f"solving for {lecture.title!r}"):
         solution = lecture.solve()
-        tell("solving", 1, 1)
     if args.pictures is None and probe.has_display():
         lectures.run(lecture, solution)
         return
     folder = args.pictures or Path(f"{lecture.name}_lecture")
     if args.pictures is None:
         screen.say("there is no display; writing the steps as pictures instead")
-    written = lectures.export(lecture, folder, solution)
+    with screen.working("drawing"):
+        written = lectures.export(lecture, folder, solution)
     screen.say(f"wrote {len(written)} pictures into {folder.resolve()}")

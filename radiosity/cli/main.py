@@ -17,7 +17,7 @@ from . import lecture, scenes, solve, view
 from .console import Screen
 
 FAILED, INTERRUPTED = 2, 130  # exit codes; 130 is what shells give a command that Ctrl-C has ended
-GRACE = 1.2  # seconds from Ctrl-C until a library that does not listen is left behind
+GRACE = 0.8  # seconds from Ctrl-C until a library that does not listen is left behind
 
 COMMANDS = (solve, view, lecture, scenes)
 
@@ -111,7 +111,7 @@ def _interruptible() -> Iterator[None]:
         return
 
     def interrupt(*_: Any) -> None:
-        leave = threading.Timer(GRACE, os._exit, (INTERRUPTED,))
+        leave = threading.Timer(GRACE, _leave)
         leave.daemon = True
         leave.start()
         raise KeyboardInterrupt
@@ -121,3 +121,11 @@ def _interruptible() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _leave() -> None:
+    """End the process as it stands."""
+    show_cursor = b"\x1b[?25h" if os.isatty(2) else b""
+    with suppress(OSError):
+        os.write(2, show_cursor + b"error: interrupted\n")
+    os._exit(INTERRUPTED)

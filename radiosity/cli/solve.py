@@ -14,6 +14,7 @@ examples:
   radiosity solve meshes/cornell_box.glb -o cornell.npz -o cornell.vtp -o cornell.png
   radiosity solve cornell_box --patches 4000 --method hemicube --bounces 8
   radiosity solve room.obj --unit mm --sky 1 --lamp "Ceiling lamp=30,28,25" -o room.npz
+  radiosity solve room.npz --lamp Ceiling=0 -o dark.vtp       other light on the same form factors, at once
 
 A .npz holds everything, for `radiosity view` and rad.read_solution; a .vtp all bounces, for ParaView; a .png a picture.
 """
@@ -21,7 +22,9 @@ A .npz holds everything, for `radiosity view` and rad.read_solution; a .vtp all 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Words of this command."""
-    parser.add_argument("scene", metavar="SCENE", help="a file (.glb .gltf .obj .ply .stl .off), or a built-in scene")
+    parser.add_argument(
+        "scene", metavar="SCENE", help="a file (.glb .gltf .obj .ply .stl .off), a built-in scene, or a solution .npz"
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -38,14 +41,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve, report, write."""
     from ..solution import DATA, PICTURES
+    from .drawing import probe_early
     from .report import print_report
     from .source import solution
 
     for path in args.output:
         arguments.check_output(path, DATA + PICTURES)
+    pictures = any(path.suffix.lower() in PICTURES for path in args.output)
+    ready = probe_early("off-screen") if pictures else None
     solved = solution(args.scene, args, screen)
     if not args.quiet:
         print_report(solved, screen.out)
-    for path in args.output:
+    for path in sorted(
+        args.output, key=lambda path: path.suffix.lower() in PICTURES
+    ):  # what cannot fail for lack of GL
+        if ready is not None and path.suffix.lower() in PICTURES:
+            ready()
         solved.save(path)
         screen.say(f"wrote {path}")

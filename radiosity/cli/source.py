@@ -8,7 +8,7 @@ from pathlib import Path
 
 import radiosity as rad
 
-from .arguments import solve_settings
+from .arguments import refuse_solve_settings, solve_settings
 from .console import Screen
 
 DEFAULT = "cornell_box"
@@ -24,7 +24,7 @@ def scene(word: str, args: argparse.Namespace) -> rad.Scene:
         No such file or scene, or one that cannot be read.
     """
     lamps = dict(args.lamp)
-    if not Path(word).exists() and word in rad.scenes.BUILT_IN:
+    if not Path(word).is_file() and word in rad.scenes.BUILT_IN:
         if args.unit:
             raise rad.errors.ParameterError(f"--unit is for files; the built-in scene {word!r} is in metres")
         return _lit(rad.scenes.BUILT_IN[word](), lamps, args.sky)
@@ -64,6 +64,7 @@ def solution(word: str, args: argparse.Namespace, screen: Screen) -> rad.Solutio
 
 def _read(word: str, args: argparse.Namespace) -> rad.Solution:
     """A solution as it was saved, under the lamps and the sky of the command line."""
+    refuse_solve_settings(args, f"{word} is solved already")
     found = rad.read_solution(word)
     if args.lamp or args.sky:
         return found.relight(emission=dict(args.lamp) or None, sky=args.sky)

@@ -38,16 +38,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve if need be, and show."""
+    from ..viewer import probe
     from . import source
+    from .drawing import probe_early
 
     if args.screenshot is not None:
         arguments.check_output(args.screenshot, (".png",))
+    window = args.screenshot is None and args.pictures is None and probe.has_display()
+    ready = probe_early("window" if window else "off-screen")
     word = args.scene or source.default()
     solved = source.solution(word, args, screen)
     screen.say(f"{solved.scene.name}: {len(solved.patches):,} patches; {solved.status}")
     settings = {"order": args.order, "exposure": args.exposure}
+    ready()
     if args.screenshot is not None:
-        _screenshot(solved, args.screenshot, settings)
+        with screen.working("drawing"):
+            _screenshot(solved, args.screenshot, settings)
         screen.say(f"wrote {args.screenshot}")
     elif args.pictures is not None or not _window(solved, settings, screen):
         write_pictures(solved, args.pictures or Path(f"{solved.scene.name}_pictures"), screen)
@@ -89,7 +95,8 @@ def write_pictures(solved: rad.Solution, folder: Path, screen: Screen) -> None:
     from ..viewer import figures
 
     try:
-        written = figures.write_pictures(solved, folder)
+        with screen.working("drawing"):
+            written = figures.write_pictures(solved, folder)
     except DisplayError as error:
         folder.mkdir(parents=True, exist_ok=True)
         kept = folder / "solution.npz"
