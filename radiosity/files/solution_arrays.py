@@ -18,6 +18,8 @@ from ..faces import Faces
 from ..form_factors import FormFactors
 from ..form_factors.factors import check_matrix, check_shares, row_sums
 from ..patches import Grid, Patches
+from . import checked
+from .checked import JSON
 from .npz import Archive
 
 Arrays = dict[str, NDArray[Any]]
@@ -155,14 +157,24 @@ def factors_to_arrays(factors: FormFactors, prefix: str = "factors") -> Iterator
     yield f"{prefix}/data", matrix.data
     yield f"{prefix}/to_sky", factors.to_sky
     yield f"{prefix}/to_backs", factors.to_backs
+    if factors.exact_columns is not None:
+        yield f"{prefix}/exact_columns", factors.exact_columns
     for number, replicate in enumerate(factors.replicates):
         yield from factors_to_arrays(replicate, f"{prefix}/replicates/{number}")
 
 
+def factors_header(factors: FormFactors) -> list[JSON]:
+    """What is not an array of form factors and of their replicates, and which arrays there are."""
+    return [
+        {"statistics": one.statistics, "exact_columns": one.exact_columns is not None}
+        for one in (factors, *factors.replicates)
+    ]
+
+
 def factors_from_arrays(
-    reader: Reader, patches: Patches, statistics: list[dict[str, Any]], estimator: object, prefix: str = "factors"
+    reader: Reader, patches: Patches, headers: list[JSON], estimator: object, prefix: str = "factors"
 ) -> FormFactors:
-    """Form factors of an archive, checked; `statistics` has one entry for them and one for each replicate.
+    """Form factors of an archive, checked; `headers` has an entry for them and one for each replicate.
 
     Raises
     ------
@@ -183,8 +195,9 @@ def factors_from_arrays(
         raise FileFormatError(f"{prefix}: {error}") from error
     replicates = tuple(
         factors_from_arrays(reader, patches, [own], estimator, f"{prefix}/replicates/{number}")
-        for number, own in enumerate(statistics[1:])
+        for number, own in enumerate(headers[1:])
     )
+    exact = reader.take(f"{prefix}/exact_columns", "|b1", "N") if headers[0].get("exact_columns") else None
     return FormFactors(
         matrix,
         to_sky,
@@ -193,8 +206,9 @@ def factors_from_arrays(
         patches.surface,
         patches.surface_names,
         estimator,
-        statistics[0],
+        checked.mapping(headers[0], "statistics", prefix),
         replicates,
+        exact,
     )
 
 

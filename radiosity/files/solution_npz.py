@@ -21,6 +21,7 @@ from .. import solvers
 from .._version import __version__
 from ..errors import FileFormatError, RadiosityError, RadiosityWarning
 from ..form_factors import Hemicube, MonteCarlo
+from ..patches import Patches
 from ..result import Result
 from ..scene import Material, Scene, Surface
 from ..solution import Solution
@@ -32,6 +33,7 @@ from .solution_arrays import (
     RESULT,
     Reader,
     factors_from_arrays,
+    factors_header,
     factors_to_arrays,
     patches_from_arrays,
     patches_to_arrays,
@@ -61,7 +63,7 @@ def write_npz(solution: Solution, path: Path) -> None:
         "scene": geometry.header,
         "patches": {"closed": solution.patches.closed, "name": solution.patches.name},
         "estimator": _parameters(factors.estimator),
-        "factors": [_plain(one.statistics) for one in (factors, *factors.replicates)],
+        "factors": _plain(factors_header(factors)),
         "solver": _parameters(solution.solver),
         "bounces": solution.bounces,
         "result": {
@@ -93,31 +95,21 @@ def read_npz(path: Path) -> Solution:
             raise FileFormatError("it is a numpy archive, but no solution: `solution.save` writes those")
         header = archive.header()
         _check_version(header)
-        for part, keys in PARTS.items():
-            found = header if part == "header" else checked.mapping(header, part, "header")
-            if missing := [key for key in keys if key not in found]:
-                raise FileFormatError(f"{part} has no {missing[0]!r}: the file is not as radiosity writes it")
+        _check_parts(header)
         reader = Reader(archive)
-        scene = _scene(reader, checked.mapping(header, "scene", "header"))
-        part = checked.mapping(header, "patches", "header")
-        closed, name = checked.flag(part, "closed", "patches"), checked.text(part, "name", "patches")
-        patches = patches_from_arrays(reader, closed, scene.surface_names, name)
-        if patches.channels != scene.channels:
-            raise FileFormatError(f"patches have {patches.channels} channels, the scene has {scene.channels}")
-        statistics = checked.mappings(header, "factors", "header")
-        if not statistics:
-            raise FileFormatError("header.factors is empty; expected the counters of the form factors")
+        scene = _scene(reader, header["scene"])
+        patches = _patches(reader, header["patches"], scene)
         estimator = _made(checked.mapping(header, "estimator", "header"), ESTIMATORS, "estimator")
-        factors = factors_from_arrays(reader, patches, statistics, estimator)
+        counters = checked.mappings(header, "factors", "header")
         solver = _made(checked.mapping(header, "solver", "header"), SOLVERS, "solver") or Neumann()
         assert isinstance(solver, Solver)
         return Solution(
             scene,
             patches,
-            factors,
-            _result(reader, checked.mapping(header, "result", "header")),
+            factors_from_arrays(reader, patches, counters, estimator),
+            _result(reader, header["result"]),
             solver,
-            None if header.get("bounces") is None else checked.integer(header, "bounces", "header"),
+            None if header["bounces"] is None else checked.integer(header, "bounces", "header"),
             checked.mapping(header, "settings", "header"),
             checked.mapping(header, "statistics", "header"),
         )
@@ -133,6 +125,24 @@ def _check_version(header: JSON) -> None:
             f"it was written by {by:.40} in version {version} of the format; radiosity {__version__} reads up to "
             f"{VERSION}: install the newer one"
         )
+
+
+def _check_parts(header: JSON) -> None:
+    """Refuse a header that lacks something: nothing is filled in for it."""
+    for part, keys in PARTS.items():
+        found = header if part == "header" else checked.mapping(header, part, "header")
+        if missing := [key for key in keys if key not in found]:
+            raise FileFormatError(f"{part} has no {missing[0]!r}: the file is not as radiosity writes it")
+    if not header["factors"]:
+        raise FileFormatError("header.factors is empty; expected the counters of the form factors")
+
+
+def _patches(reader: Reader, header: JSON, scene: Scene) -> Patches:
+    closed, name = checked.flag(header, "closed", "patches"), checked.text(header, "name", "patches")
+    patches = patches_from_arrays(reader, closed, scene.surface_names, name)
+    if patches.channels != scene.channels:
+        raise FileFormatError(f"patches have {patches.channels} channels, the scene has {scene.channels}")
+    return patches
 
 
 def _result(reader: Reader, header: JSON) -> Result:

@@ -112,6 +112,12 @@ def test_written_and_read_it_is_the_same(settings, tmp_path):
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
 
 
+def test_conserved_factors(box, tmp_path):
+    conserved = replace(box, factors=box.factors.conserved())
+    write_solution(conserved, tmp_path / "a.npz")
+    assert_same_bits(read_solution(tmp_path / "a.npz").irradiance, conserved.irradiance, "irradiance")
+
+
 def test_without_orders(box, tmp_path):
     write_solution(replace(box, result=replace(box.result, orders=None)), tmp_path / "a.npz")
     again = read_solution(tmp_path / "a.npz")
