@@ -1,6 +1,8 @@
 # The public names. Read by lazy_loader when the package runs, and by editors and type checkers: one list for all.
 from . import errors as errors
+from . import photometry as photometry
 from . import scenes as scenes
+from . import thermal as thermal
 from ._version import __version__ as __version__
 from .errors import RadiosityError as RadiosityError
 from .errors import RadiosityWarning as RadiosityWarning

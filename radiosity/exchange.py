@@ -36,7 +36,7 @@ class TotalExchange:
     """Total exchange factors of M surfaces: share[i, j, c] of i's emission is finally absorbed by j.
 
     Known as Gebhart factors or absorption factors (B. Gebhart, "Surface temperature calculations in radiant
-    surroundings of arbitrary complexity", Int. J. Heat Mass Transfer 3 (1961) 341, doi:10.1016/0017-9310(61)90048-5).
+    surroundings of arbitrary complexity", Int. J. Heat Mass Transfer 3 (1961) 341).
     Reciprocity: A_i α_i share[i, j] = A_j α_j share[j, i], as far as the form factors are reciprocal.
 
     Attributes
