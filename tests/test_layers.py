@@ -34,6 +34,7 @@ FLOORS = (
     "shortcuts",
     "path_tracer",
     "render",
+    "camera",
     "exchange",
     "certificate",
     "solvers",
