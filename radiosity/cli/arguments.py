@@ -11,9 +11,13 @@ from typing import Any
 UNITS = ("m", "cm", "mm", "in", "ft")
 METHODS = ("monte-carlo", "hemicube")
 SOLVE_OPTIONS = (
-    "unit", "patches", "patch_size", "method", "rays", "seed", "resolution", "samples", "bounces", "rtol", "threads",
+    "unit", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed", "resolution",
+    "samples", "bounces", "rtol", "threads",
 )  # fmt: skip
-ONLY_FOR = {"rays": "monte-carlo", "seed": "monte-carlo", "resolution": "hemicube", "samples": "hemicube"}
+ONLY_FOR = {
+    **dict.fromkeys(("rays", "light_rays", "sampling", "replicates", "seed"), "monte-carlo"),
+    **dict.fromkeys(("resolution", "samples"), "hemicube"),
+}
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +46,9 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("form factors")
     group.add_argument("--method", choices=METHODS, help="(default: monte-carlo)")
     group.add_argument("--rays", type=count, metavar="R", help="rays a patch, for monte-carlo (default: 256)")
+    group.add_argument("--light-rays", type=natural, metavar="R", help="shadow rays between a patch and a lamp's face")
+    group.add_argument("--sampling", choices=("sobol", "random"), help="of rays (default: sobol)")
+    group.add_argument("--replicates", type=count, metavar="N", help="independent estimates, for standard errors")
     group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers, for monte-carlo (default: 0)")
     group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
     group.add_argument("--samples", type=count, metavar="N", help="points a patch, for hemicube (default: 1)")
@@ -71,7 +78,8 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     method = args.method or METHODS[0]
     for option, its_method in ONLY_FOR.items():
         if getattr(args, option) is not None and method != its_method:
-            raise rad.errors.ParameterError(f"--{option} is for --method {its_method}, not for {method}; leave it out")
+            word = option.replace("_", "-")
+            raise rad.errors.ParameterError(f"--{word} is for --method {its_method}, not for {method}; leave it out")
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
     return {
         "patch_count": args.patches,

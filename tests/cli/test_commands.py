@@ -62,6 +62,11 @@ def test_solve_writes_what_the_api_computes(place, capsys):
     ("words", "estimator", "settings"),
     [
         (["--method", "hemicube", "--resolution", "8"], rad.Hemicube(resolution=8), {}),
+        (
+            ["--rays", "32", "--light-rays", "0", "--sampling", "random", "--replicates", "2"],
+            rad.MonteCarlo(rays=32, light_rays=0, sampling="random", replicates=2),
+            {},
+        ),
         (["--rays", "32", "--rtol", "1e-2"], rad.MonteCarlo(rays=32), {"solver": rad.Neumann(rtol=1e-2)}),
         (["--rays", "32", "--patch-size", "0.5"], rad.MonteCarlo(rays=32), {"patch_count": None, "patch_size": 0.5}),
     ],
