@@ -1,7 +1,7 @@
 """Plane polygons, concave or with holes, cut into triangles that use their own corners and no others.
 
-Because no corner is added, neighbours that share an edge of the polygon still share it whole: a floor cut
-around a block stays watertight with the block's sides and with the walls.
+Because no corner is added, neighbours that share an edge of the polygon still share it whole, and the mesh stays
+watertight.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def corridor(
     """A row of rooms with doors on alternating sides, and a lamp in the ceiling of the first only.
 
     No straight line passes through three doors, so that light has to bounce on its way: each room is fainter than
-    the one before, and brightest some orders later.
+    the one before, and gets its light some bounces later.
 
     Parameters
     ----------
