@@ -19,7 +19,7 @@ class RowBlock(NamedTuple):
     """Rows begin … end of a matrix under way.
 
     lengths (rows,) entries in each row; indices, weights (Σ lengths,) in order of columns; to_sky and to_backs
-    (rows,). Weights and shares are hits (int) or already shares (float).
+    (rows,). Weights and shares are hits (int) or already shares (float). shadow_rays were traced beside those counted.
     """
 
     begin: int
@@ -28,14 +28,17 @@ class RowBlock(NamedTuple):
     weights: NDArray[np.int32] | FloatArray
     to_sky: NDArray[np.int64] | FloatArray
     to_backs: NDArray[np.int64] | FloatArray
+    shadow_rays: int = 0
 
 
 class Rows(NamedTuple):
-    """A finished matrix with the shares beside it."""
+    """A finished matrix with the shares beside it, and the columns (N,) that were not sampled, if any."""
 
     matrix: csr_array
     to_sky: FloatArray
     to_backs: FloatArray
+    shadow_rays: int = 0
+    exact_columns: NDArray[np.bool_] | None = None
 
 
 def stack_rows(
@@ -68,7 +71,7 @@ def stack_rows(
     indices = np.empty(most, dtype=np.int32)
     data = np.empty(most, dtype=dtype)
     to_sky, to_backs = np.empty(count), np.empty(count)
-    filled = 0
+    filled = shadow_rays = 0
     for block in blocks:
         rows = slice(block.begin, block.begin + len(block.lengths))
         entries = slice(filled, filled + len(block.indices))
@@ -78,6 +81,7 @@ def stack_rows(
         to_sky[rows] = block.to_sky / divisor
         to_backs[rows] = block.to_backs / divisor
         filled = entries.stop
+        shadow_rays += block.shadow_rays
         if done is not None:
             done(rows.stop)
     indices.resize(filled, refcheck=False)
@@ -88,7 +92,7 @@ def stack_rows(
     )
     matrix.has_sorted_indices = True
     matrix.has_canonical_format = True
-    return Rows(matrix, to_sky, to_backs)
+    return Rows(matrix, to_sky, to_backs, shadow_rays)
 
 
 @numba.njit(nogil=True, cache=True)

@@ -86,7 +86,11 @@ def _factors(rows: Rows, patches: Patches, estimator: Estimator) -> FormFactors:
         patches.surface,
         patches.surface_names,
         estimator,
-        {"leaks/share": float(np.mean(rows.to_sky)) if patches.closed else 0.0},
+        {
+            "leaks/share": float(np.mean(rows.to_sky)) if patches.closed else 0.0,
+            "rays/to emitters": rows.shadow_rays,
+        },
+        exact_columns=rows.exact_columns,
     )
 
 
@@ -107,8 +111,9 @@ def _mean(runs: list[FormFactors], kind: type[np.float32] | type[np.float64]) ->
         first.surface,
         first.surface_names,
         first.estimator,
-        {"leaks/share": leaks},
+        {"leaks/share": leaks, "rays/to emitters": sum(run.statistics["rays/to emitters"] for run in runs)},
         tuple(runs),
+        first.exact_columns,
     )
 
 

@@ -46,6 +46,9 @@ class FormFactors:
         Counters ("rays/traced", "rays/to_backs", "seconds/…") in the order of the work.
     replicates : tuple of FormFactors
         Independent estimates whose mean this is; empty when there was only one.
+    exact_columns : ndarray of bool (N,) or None
+        Patches whose columns are exact factors times visibility, and were not sampled like the rest: emitters, for
+        direct light. None if there are no such.
     """
 
     matrix: csr_array
@@ -57,6 +60,7 @@ class FormFactors:
     estimator: object | None = None
     statistics: dict[str, Any] = field(default_factory=dict)
     replicates: tuple[FormFactors, ...] = ()
+    exact_columns: NDArray[np.bool_] | None = None
 
     @classmethod
     def from_matrix(

@@ -16,7 +16,10 @@ from ..progress import Progress, quiet
 from ..rays import Tracer, patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
 from .assembly import RowBlock, Rows, count_hits, stack_rows
+from .direct_light import DirectLight, worthwhile_emitters
 
+LIGHT_RAYS = 256
+DIRECT = 1 << 40  # which of the numbers below a replicate's key are for shadow rays: no patch's
 BATCH = 1 << 16  # rays at a time: their arrays stay in cache, and calls into Embree are few
 
 
@@ -24,9 +27,9 @@ BATCH = 1 << 16  # rays at a time: their arrays stay in cache, and calls into Em
 class MonteCarlo:
     """Form factors by counting where rays land.
 
-    A ray leaves a point of patch i, uniform in area, in a direction distributed as cos θ / π about the normal. The share
-    of rays that first meet patch j estimates F_ij without bias, and every row adds up to 1 exactly:
-    each ray ends somewhere.
+    A ray leaves a point of patch i, uniform in area, in a direction distributed as cos θ / π about the normal. The
+    share of rays that first meet patch j estimates F_ij without bias, and every row adds up to 1: each ray ends
+    somewhere. Emitters, which cause most of the error, are looked at apart where that pays.
 
     Parameters
     ----------
@@ -37,7 +40,11 @@ class MonteCarlo:
         One scrambled four-dimensional Sobol sequence for position and direction, shifted for each patch; or
         independent random numbers, whose error falls as 1/√rays, for teaching.
     replicates : int
-        Independent estimates among which the rays are shared; their spread gives standard errors.
+        Independent estimates among which all rays are shared; their spread gives standard errors.
+    light_rays : int, optional
+        Shadow rays between a patch and an emitting face, over all replicates, where the first sixteenth of them
+        disagrees: see `direct_light`, which says when emitters are left to the sampling rays instead. 0 leaves them to
+        those always, and every row is then a plain count. By default 256 with Sobol points and 0 with random numbers.
 
     Notes
     -----
@@ -49,9 +56,12 @@ class MonteCarlo:
     seed: int = 0
     sampling: Literal["sobol", "random"] = "sobol"
     replicates: int = 1
+    light_rays: int = None  # type: ignore[assignment]  # always a number once made
 
     def __post_init__(self) -> None:
         seed_key(self.seed)
+        if self.light_rays is None:
+            object.__setattr__(self, "light_rays", LIGHT_RAYS if self.sampling == "sobol" else 0)
         if self.replicates < 1:
             raise ParameterError(f"replicates is {self.replicates}; give at least 1")
         if self.rays < self.replicates or self.rays % self.replicates:
@@ -60,11 +70,16 @@ class MonteCarlo:
             )
         if self.sampling not in ("sobol", "random"):
             raise ParameterError(f"sampling is {self.sampling!r}; give 'sobol' or 'random'")
+        if self.light_rays < 0 or self.light_rays % self.replicates:
+            raise ParameterError(
+                f"light_rays is {self.light_rays} with {self.replicates} replicates; give 0 or a positive multiple of "
+                "the replicates"
+            )
 
     @property
     def binomial_rays(self) -> int | None:
         """Number of independent rays, where hits are binomial; None where they are not independent."""
-        return self.rays if self.sampling == "random" else None
+        return self.rays if self.sampling == "random" and not self.light_rays else None
 
     def estimate(
         self,
@@ -82,30 +97,34 @@ class MonteCarlo:
             def told(rows: int, before: int = replicate * len(patches)) -> None:
                 progress("form factors", before + rows, self.replicates * len(patches))
 
-            runs.append(
-                stack_rows(
-                    ordered_map(
-                        _BlockOfRows(self, patches, tracer, replicate),
-                        blocks(len(patches), max(1, BATCH // each)),
-                        threads,
-                    ),
-                    len(patches),
-                    len(patches) * min(each, len(patches)),
-                    each,
-                    dtype,
-                    told,
-                )
-            )
+            block_of_rows = _BlockOfRows(self, patches, tracer, replicate)
+            spans = blocks(len(patches), max(1, BATCH // each))
+            most = len(patches) * min(block_of_rows.most, len(patches))
+            made = ordered_map(block_of_rows, spans, threads)
+            rows = stack_rows(made, len(patches), most, block_of_rows.divisor, dtype, told)
+            runs.append(rows._replace(exact_columns=block_of_rows.exact_columns))
         return runs
 
 
 class _BlockOfRows:
-    """Trace the rays of patches begin … end and count their hits."""
+    """Trace the rays of patches begin … end, count their hits, and put in the exact columns of emitters."""
 
     def __init__(self, method: MonteCarlo, patches: Patches, tracer: Tracer, replicate: int) -> None:
         self.patches, self.tracer = patches, tracer
         self.rays = method.rays // method.replicates
         self.run = seed_key(method.seed, replicate)
+        light_rays = method.light_rays // method.replicates
+        emitters = worthwhile_emitters(patches, self.rays, light_rays)
+        self.most = self.rays  # entries in a row
+        self.divisor = float(self.rays)  # of what the rows hold
+        self.direct: DirectLight | None = None
+        self.exact_columns: NDArray[np.bool_] | None = None
+        if emitters is not None:
+            run = seed_key(method.seed, replicate, DIRECT)
+            self.direct = DirectLight(patches, tracer, emitters, light_rays, run, method.sampling)
+            self.exact_columns = emitters.columns
+            self.most += int(emitters.columns.sum())
+            self.divisor = 1.0
         if method.sampling == "sobol":
             self.points = np.ascontiguousarray(sobol_points(self.rays, 4, int(self.run)).T)
         else:
@@ -130,7 +149,8 @@ class _BlockOfRows:
             origins,
             directions,
         )
-        return RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
+        rows = RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
+        return rows if self.direct is None else self.direct.put_into(rows, self.rays)
 
 
 @numba.njit(nogil=True, cache=True)

@@ -18,6 +18,11 @@ def slope(counts, errors):
     return np.polyfit(np.log(counts), np.log(errors), 1)[0]
 
 
+def plain(*args, **kwargs):
+    """Counts alone: emitters are not looked at apart."""
+    return rad.MonteCarlo(*args, **kwargs, light_rays=0)
+
+
 def errors_of_empty_box(sampling, counts, seeds):
     """Relative Frobenius error of F, root mean square over seeds, for each count."""
     _, patches, data = load("empty_box")
@@ -25,7 +30,7 @@ def errors_of_empty_box(sampling, counts, seeds):
     found = []
     for rays in counts:
         squares = [
-            np.sum((rad.form_factors(patches, rad.MonteCarlo(rays, seed, sampling)).matrix.toarray() - true) ** 2)
+            np.sum((rad.form_factors(patches, plain(rays, seed, sampling)).matrix.toarray() - true) ** 2)
             for seed in seeds
         ]
         found.append(np.sqrt(np.mean(squares) / np.sum(true**2)))
@@ -48,7 +53,7 @@ def test_sobol_rays_converge_faster():
 def test_standard_errors_are_what_the_errors_are(sampling):
     """Squared errors of all exact factors add up to the squared standard errors, and their mean is no bias."""
     _, patches, data = load("empty_box")
-    factors = rad.form_factors(patches, rad.MonteCarlo(16 * 256, 7, sampling, replicates=16), dtype=np.float64)
+    factors = rad.form_factors(patches, plain(16 * 256, 7, sampling, replicates=16), dtype=np.float64)
     true = data["F"]
     error = factors.matrix.toarray() - true
     assert np.sum(error**2) == pytest.approx(np.sum(factors.standard_error.data**2), rel=0.05)
@@ -91,7 +96,7 @@ def test_another_seed_is_another_estimate():
 
 def test_every_ray_is_accounted_for():
     patches = rad.subdivide(rad.scenes.cornell_box(), patch_count=700)
-    factors = rad.form_factors(patches, rad.MonteCarlo(256), dtype=np.float64)
+    factors = rad.form_factors(patches, plain(256), dtype=np.float64)
     assert (factors.closure_defect == 0.0).all()
     assert 0.0 < factors.to_sky.mean() < 0.5, "the box is open at the front"
     assert factors.statistics["rays/traced"] == 256 * len(patches)

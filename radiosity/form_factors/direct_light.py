@@ -1,0 +1,311 @@
+"""Direct light apart: form factors to what emits are worth more than rays that happen to find it.
+
+Most of the error of a radiosity solution is that of its first order: a small lamp is met by few of a patch's rays. So
+the columns of F that belong to emitters are computed another way,
+
+    F_ij = exact factor, nothing being in between  ×  visibility,        visibility = Σ k_s V_s / Σ k_s,
+
+over shadow rays s between points spread over the patch and over the emitter, each weighted by the kernel
+k = cos θ cos θ' / r² of the light that would go along it, V_s = 1 where nothing is in the way. Where all of the first
+few agree, the patch is in full light or in full shadow, and the factor is exact; many are sent where they do not. The
+rest of the row stays as it was sampled, scaled to close it. Nothing of this depends on how strong the emitters are: F
+stays purely geometric, and right for any other light.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from ..patches import Patches
+from ..rays import FaceTable, Tracer, patch_point
+from ..sequences import BITS_TO_UNIT, high_bits, key, sobol_points
+from .assembly import RowBlock
+from .contour import exchange_area_matrix
+
+FloatArray = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
+IntArray = NDArray[np.int64]
+
+FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether they agree
+LARGE = 0.25  # emitters that are more of the area than this are met by enough rays anyway
+COSTLY = 4.0  # first shadow rays per sampling ray, above which emitters are too many to be looked at one by one
+NEGLIGIBLE = 1e-14  # a form factor that is rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Emitters:
+    """Faces that emit, one side each: all patches of a face emit alike, so that one polygon stands for them.
+
+    Attributes
+    ----------
+    face, side : ndarray (M,)
+        Source face, and 1 or -1 for its front or back.
+    corners : ndarray (M, 4, 3)
+        Counter-clockwise seen from the emitting side, m.
+    columns : ndarray of bool (N,)
+        Patches on these faces.
+    """
+
+    face: NDArray[np.int32]
+    side: NDArray[np.int8]
+    corners: FloatArray
+    columns: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        """Number of emitting faces M."""
+        return len(self.face)
+
+
+def first_rays(light_rays: int) -> int:
+    """How many shadow rays are sent first, of `light_rays`."""
+    return max(2, light_rays // FIRST_SHARE)
+
+
+def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitters | None:
+    """The emitters whose columns are worth shadow rays, or None.
+
+    None where nothing emits; where emitters are more than `LARGE` of all area (a furnace: sampling rays
+    meet them anyway, and a few shadow rays cannot tell their patches apart); and where there are so many that the first
+    shadow rays alone would be more than `COSTLY` times the sampling rays. They count together or not at all.
+
+    Parameters
+    ----------
+    patches : Patches
+    rays, light_rays : int
+        Sampling rays per patch; shadow rays per pair of a patch and an emitting face.
+    """
+    columns: NDArray[np.bool_] = np.any(patches.emission > 0, axis=1)
+    if light_rays == 0 or not columns.any() or patches.area[columns].sum() > LARGE * patches.area.sum():
+        return None
+    face, side = np.unique(np.stack([patches.face, patches.side], axis=1)[columns], axis=0).T
+    if len(face) * first_rays(light_rays) > COSTLY * rays:
+        return None
+    faces = patches.grid.faces
+    forward = np.where(faces.quad[face, None], [0, 1, 2, 3], [0, 1, 2, 2])
+    reverse = np.where(faces.quad[face, None], [0, 3, 2, 1], [0, 2, 1, 1])
+    order = np.where(side[:, None] > 0, forward, reverse)
+    corners = np.take_along_axis(faces.corners[face], order[:, :, None], axis=1)
+    return Emitters(face.astype(np.int32), side.astype(np.int8), corners, columns)
+
+
+class Entries(NamedTuple):
+    """Rows begin … of the emitters' columns: lengths (rows,), indices and weights (Σ lengths,) by column."""
+
+    lengths: IntArray
+    indices: NDArray[np.int32]
+    weights: FloatArray
+
+
+class DirectLight:
+    """Factors from patches to emitters.
+
+    Parameters
+    ----------
+    patches : Patches
+    tracer : Tracer
+    emitters : Emitters
+    light_rays : int
+        Shadow rays between a patch and an emitting face, where the first few disagree.
+    run : uint64
+        Key of the random numbers.
+    sampling : {"sobol", "random"}
+    """
+
+    def __init__(
+        self, patches: Patches, tracer: Tracer, emitters: Emitters, light_rays: int, run: np.uint64, sampling: str
+    ) -> None:
+        self.patches, self.tracer, self.emitters, self.run = patches, tracer, emitters, run
+        self.light_rays = light_rays
+        ones = np.ones_like(tracer.table.columns)
+        self.ground = _Ground(
+            tracer.table,
+            tracer.table._replace(columns=ones, rows=ones),
+            patches.face,
+            patches.side,
+            np.where(patches.side > 0, patches.grid.front[patches.face], patches.grid.back[patches.face]),
+            emitters.face,
+            emitters.side,
+        )
+        self.points = np.empty((4, 0), dtype=np.uint32)
+        if sampling == "sobol":
+            self.points = np.ascontiguousarray(sobol_points(light_rays, 4, int(run)).T)
+
+    def put_into(self, block: RowBlock, rays: int) -> RowBlock:
+        """The same rows with the columns of emitters put in, as shares instead of counts."""
+        entries, traced = self._entries(block.begin, block.begin + len(block.lengths))
+        _, lengths, indices, counts, to_sky, to_backs, _ = block
+        merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.emitters.columns, *entries)
+        return RowBlock(block.begin, *merged)._replace(shadow_rays=traced)
+
+    def _entries(self, begin: int, end: int) -> tuple[Entries, int]:
+        """Columns of emitters in the rows begin … end, and how many shadow rays it took."""
+        exchange = exchange_area_matrix(self.patches.corners[begin:end], self.emitters.corners, threads=1)
+        factors = exchange / self.patches.area[begin:end, None]
+        row, emitter = np.nonzero(factors > NEGLIGIBLE)
+        pairs = np.stack([row + begin, emitter], axis=1)
+        few = first_rays(self.light_rays)
+        met, weight = self._look(pairs, few)
+        undecided = _disagree(met, weight) if few < self.light_rays else np.zeros(len(pairs), dtype=np.bool_)
+        more_met, more_weight = self._look(pairs[undecided], self.light_rays)
+        entries = _collect(
+            row, factors[row, emitter], undecided, met, weight, more_met, more_weight, end - begin, len(self.patches)
+        )
+        return Entries(*entries), met.size + more_met.size
+
+    def _look(self, pairs: IntArray, count: int) -> tuple[NDArray[np.int32], FloatArray]:
+        """Patch of the emitter met by each of `count` shadow rays of each pair, -1 if something else is; their kernels.
+
+        Both (pairs, count).
+        """
+        origins = np.empty((len(pairs) * count, 3), dtype=np.float32)
+        directions = np.empty_like(origins)
+        weight = np.empty((len(pairs), count))
+        _shadow_rays(self.ground, pairs, self.points, self.run, origins, directions, weight)
+        met = self.tracer.run(origins, directions).reshape(weight.shape)
+        _only_emitters(self.ground, pairs, met)
+        return met, weight
+
+
+class _Ground(NamedTuple):
+    """Patches and emitters as the kernels read them; `whole` has every face as one patch."""
+
+    table: FaceTable
+    whole: FaceTable
+    face: NDArray[np.int32]
+    side: NDArray[np.int8]
+    first: NDArray[np.int32]
+    emitter_face: NDArray[np.int32]
+    emitter_side: NDArray[np.int8]
+
+
+@numba.njit(nogil=True, cache=True)
+def _shadow_rays(ground, pairs, points, run, origins, directions, weight):  # type: ignore[no-untyped-def]
+    """Rays from points of patches to points of emitters, and their kernels cos θ cos θ' / r² (0 behind either)."""
+    sample = np.empty(4)
+    here, there = np.empty(3), np.empty(3)
+    count = weight.shape[1]
+    for p in range(pairs.shape[0]):
+        i, e = pairs[p, 0], pairs[p, 1]
+        f, g = ground.face[i], ground.emitter_face[e]
+        up, towards = np.float64(ground.side[i]), np.float64(ground.emitter_side[e])
+        n, m = ground.table.normal[f], ground.table.normal[g]
+        pair = key(key(np.uint64(run), np.uint64(i)), np.uint64(e))
+        for r in range(count):
+            for d in range(4):
+                if points.shape[1] > 0:
+                    sample[d] = (points[d, r] ^ high_bits(key(pair, d))) * BITS_TO_UNIT
+                else:
+                    sample[d] = high_bits(key(key(pair, r), d)) * BITS_TO_UNIT
+            patch_point(ground.table, f, i - ground.first[i], up, sample[0], sample[1], here)
+            patch_point(ground.whole, g, 0, 0.0, sample[2], sample[3], there)  # not lifted: the ray ends on the face
+            q = p * count + r
+            r2 = cosine = other = 0.0
+            for x in range(3):
+                step = there[x] - here[x]
+                origins[q, x] = here[x]
+                directions[q, x] = step
+                r2 += step * step
+                cosine += up * n[x] * step
+                other -= towards * m[x] * step
+            weight[p, r] = cosine * other / (r2 * r2) if cosine > 0.0 and other > 0.0 else 0.0
+
+
+@numba.njit(nogil=True, cache=True)
+def _only_emitters(ground, pairs, met):  # type: ignore[no-untyped-def]
+    """Put -1 where a shadow ray met anything but the face that it was sent to."""
+    for p in range(pairs.shape[0]):
+        e = pairs[p, 1]
+        for r in range(met.shape[1]):
+            j = met[p, r]
+            if j >= 0 and (ground.face[j] != ground.emitter_face[e] or ground.side[j] != ground.emitter_side[e]):
+                met[p, r] = -1
+
+
+@numba.njit(nogil=True, cache=True)
+def _disagree(met, weight):  # type: ignore[no-untyped-def]
+    """Pairs some of whose rays that count got through and some did not, or of which none counts (pairs,)."""
+    out = np.empty(met.shape[0], dtype=np.bool_)
+    for p in range(met.shape[0]):
+        through = stopped = False
+        for r in range(met.shape[1]):
+            if weight[p, r] > 0.0:
+                through |= met[p, r] >= 0
+                stopped |= met[p, r] < 0
+        out[p] = through == stopped
+    return out
+
+
+@numba.njit(nogil=True, cache=True)
+def _collect(row, factor, undecided, met, weight, more_met, more_weight, rows, count):  # type: ignore[no-untyped-def]
+    """Row lengths, columns in order, and weights: each pair's factor shared out by where its rays arrived."""
+    lengths = np.zeros(rows, dtype=np.int64)
+    indices = np.empty(met.size + more_met.size, dtype=np.int32)
+    weights = np.empty(met.size + more_met.size)
+    tally = np.zeros(count)
+    filled = p = more = 0
+    for k in range(rows):
+        begin = filled
+        while p < row.shape[0] and row[p] == k:
+            seen, kernel = met[p], weight[p]
+            if undecided[p]:
+                seen, kernel = more_met[more], more_weight[more]
+                more += 1
+            total = kernel.sum()
+            for r in range(seen.shape[0]):
+                j = seen[r]
+                if j >= 0 and kernel[r] > 0.0:
+                    if tally[j] == 0.0:
+                        indices[filled] = j
+                        filled += 1
+                    tally[j] += factor[p] * (kernel[r] / total)
+            p += 1
+        indices[begin:filled].sort()
+        for q in range(begin, filled):
+            weights[q] = tally[indices[q]]
+            tally[indices[q]] = 0.0
+        lengths[k] = filled - begin
+    return lengths, indices[:filled].copy(), weights[:filled].copy()
+
+
+@numba.njit(nogil=True, cache=True)
+def _merge(lengths, indices, counts, to_sky, to_backs, rays, exact, new_lengths, new_indices, new_weights):  # type: ignore[no-untyped-def]
+    """Rows of counts with their exact columns replaced, and all else scaled so that each still adds up to 1.
+
+    A row that has nothing else to scale, or no room for it, stays as it was sampled.
+    """
+    rows = lengths.shape[0]
+    out_lengths = np.empty(rows, dtype=np.int64)
+    out_indices = np.empty(indices.shape[0] + new_indices.shape[0], dtype=np.int32)
+    out_weights = np.empty(out_indices.shape[0])
+    sky, backs = np.empty(rows), np.empty(rows)
+    p = q = filled = 0
+    for k in range(rows):
+        end, new_end = p + lengths[k], q + new_lengths[k]
+        others, put_in = rays, 0.0
+        for a in range(p, end):
+            if exact[indices[a]]:
+                others -= counts[a]
+        for b in range(q, new_end):
+            put_in += new_weights[b]
+        replace = others > 0 and put_in < 1.0
+        scale = (1.0 - put_in) / others if replace else 1.0 / rays
+        begin = filled
+        while p < end or (replace and q < new_end):
+            if replace and q < new_end and (p == end or new_indices[q] <= indices[p]):
+                out_indices[filled], out_weights[filled] = new_indices[q], new_weights[q]
+                filled += 1
+                q += 1
+            else:
+                if not (replace and exact[indices[p]]):
+                    out_indices[filled], out_weights[filled] = indices[p], counts[p] * scale
+                    filled += 1
+                p += 1
+        q = new_end
+        out_lengths[k] = filled - begin
+        sky[k], backs[k] = to_sky[k] * scale, to_backs[k] * scale
+    return out_lengths, out_indices[:filled].copy(), out_weights[:filled].copy(), sky, backs
