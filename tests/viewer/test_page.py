@@ -1,0 +1,356 @@
+"""The page in a real browser: its pixels are the solver's, its controls work, it asks nobody for anything."""
+
+import base64
+import dataclasses
+import gzip
+import html.parser
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import radiosity as rad
+from radiosity.viewer import page
+from radiosity.viewer.state import Series, ViewState, picture, start
+from tests.viewer.browser import Browser, find_browser
+
+needs_browser = pytest.mark.skipif(find_browser() is None, reason="no Chromium is installed")
+NASTY = "</script><script>document.title='broken'</script> {data} & \"quotes\""
+
+
+@pytest.fixture(scope="module")
+def series(solution: rad.Solution) -> Series:
+    return Series.of(solution)
+
+
+@pytest.fixture(scope="module")
+def file(solution: rad.Solution, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return page.write_page(solution, tmp_path_factory.mktemp("page") / "cornell.html")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def shown(browser: Browser, file: Path) -> Iterator[Browser]:
+    """The page, freshly opened; afterwards, it has asked for nothing and complained of nothing."""
+    browser.size(1000, 640)
+    browser.open(file)
+    yield browser
+    assert browser.requests == [file.as_uri()]
+    assert browser.complaints == []
+    assert browser.run("document.getElementById('trouble').hidden")
+
+
+def view_state(browser: Browser, last: int) -> ViewState:
+    state = browser.run("viewer.state")
+    return ViewState(
+        last=last, order=state["k"], exposure=state["ev"], tone=state["tone"], normalised=state["normalised"],
+        mark_clipped=state["markClipped"], false_colour=state["falseColour"],
+    )  # fmt: skip
+
+
+def pixels_and_patches(browser: Browser, pane: str) -> tuple[np.ndarray, np.ndarray]:
+    """Colours (n, 3) and patches (n,) of all pixels of a pane that lie well within a patch."""
+    left, top, width, height = (round(v) for v in browser.box("canvas"))
+    if browser.run("viewer.state.show") == "both":
+        width //= 2
+        left += width if pane == "sum" else 0
+    patch = np.array(browser.run(f"Array.from(viewer.patchesOf('{pane}'))")).reshape(height, width)[::-1]
+    browser.run("viewer.draw()")
+    browser.settle()
+    inner = patch >= 0
+    for shift in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        inner &= np.roll(patch, shift, axis=(0, 1)) == patch
+    return browser.image()[top : top + height, left : left + width][inner].astype(int), patch[inner]
+
+
+# What is stored ------------------------------------------------------------------------------------------------------
+
+
+def test_packed_integers_are_small_and_whole() -> None:
+    """Unpacked here as data.js unpacks: byte planes, sign in the lowest bit, running sum."""
+    rng = np.random.default_rng(3)
+    numbers = np.cumsum(rng.integers(-5, 6, size=(3, 1000)), axis=1) - 70_000
+    planes = np.frombuffer(gzip.decompress(base64.b64decode(page.pack(numbers))), np.uint8).reshape(-1, numbers.size)
+    folded = sum(plane.astype(np.int64) << (8 * byte) for byte, plane in enumerate(planes))
+    steps = np.where(folded & 1, -(folded >> 1) - 1, folded >> 1)
+    assert np.array_equal(np.cumsum(steps.reshape(3, 1000), axis=1), numbers)
+    assert len(page.pack(numbers)) < numbers.size  # less than a quarter of their four bytes each
+
+
+def test_light_is_stored_to_a_third_of_a_per_cent() -> None:
+    rng = np.random.default_rng(5)
+    planes = rng.lognormal(sigma=3.0, size=(4, 2000)).astype(np.float32)
+    planes[1] = 0.0
+    planes[2, :1000] = 0.0
+    top = planes.max(axis=1)
+    codes = page.light_codes(planes, top)
+    assert codes.min() == 0
+    assert codes.max() == page.LEVELS
+    back = np.where(codes > 0, top[:, None] * 2.0 ** (page.STOPS * ((codes - 1) / (page.LEVELS - 1) - 1)), 0.0)
+    stored = planes > top[:, None] * 2.0**-page.STOPS
+    assert np.abs(back[stored] / planes[stored] - 1).max() < 0.0035
+    assert back[~stored & (planes <= 0)].max(initial=0) == 0
+
+
+@pytest.mark.slow
+def test_ten_thousand_patches_and_ten_bounces_fit_in_half_a_mebibyte() -> None:
+    solution = rad.solve(rad.scenes.cornell_box(), patch_count=10_000, bounces=10)
+    size = len(page.page(solution).encode())
+    assert 0.9 * 10_000 < len(solution.patches) < 1.15 * 10_000
+    assert size < 500 * 1024, f"{size / 1024:.0f} KiB"
+
+
+class Elements(html.parser.HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict]] = []
+        self.text = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_page_names_no_other_file(file: Path) -> None:
+    for tag, attributes in Elements(file.read_text(encoding="utf-8")).tags:
+        for name in ("src", "href", "action", "poster"):
+            assert attributes.get(name, "data:,") == "data:,", (tag, attributes)
+
+
+def test_those_who_do_not_see_the_picture_get_the_numbers(solution: rad.Solution, file: Path) -> None:
+    elements = Elements(file.read_text(encoding="utf-8"))
+    tags = [tag for tag, _ in elements.tags]
+    assert {"h1", "table", "caption", "noscript", "title"} <= set(tags)
+    assert tags.count("tr") == len(solution.power) + 1
+    for watts in solution.power.ravel():
+        assert f"{watts:.4g}" in elements.text
+    for tag, attributes in elements.tags:
+        if tag in ("canvas", "svg"):
+            assert "aria-label" in attributes or "aria-hidden" in attributes or attributes.get("role") == "img"
+        if attributes.get("type") in ("range", "checkbox"):
+            assert "id" in attributes
+
+
+# In the browser ------------------------------------------------------------------------------------------------------
+
+
+@needs_browser
+@pytest.mark.parametrize(
+    "link",
+    [
+        "#k=2&show=both",
+        "#k=6&normalised=1",
+        "#k=4&ev=1.5&tone=linear",
+        "#k=4&ev=2&tone=linear&markClipped=1",
+        "#k=5&falseColour=1",
+    ],
+)
+@pytest.mark.parametrize("pane", ["order", "sum"])
+def test_pixels_are_the_tone_mapped_values_of_the_solver(browser, file, series, link, pane) -> None:
+    browser.size(1000, 640)
+    browser.open(file, link)
+    pixels, patches = pixels_and_patches(browser, pane)
+    expected = picture(series, view_state(browser, series.last), pane)[patches].astype(int)
+    assert len(np.unique(patches)) > 250
+    assert expected.std() > 3
+    assert np.abs(pixels - expected).max() <= 2
+    assert browser.complaints == []
+
+
+@needs_browser
+def test_bounce_slider_acts_while_it_is_dragged(shown: Browser, series: Series) -> None:
+    x, y, width, height = shown.box("#k")
+    thumb = [x + 8 + (width - 16) * k / series.last for k in range(series.last + 1)]
+    shown.run(
+        "window.seen = []; document.getElementById('k').addEventListener('input', () => seen.push(viewer.state.k))"
+    )
+    shown.mouse(*[(there, y + height / 2) for there in (thumb[1], thumb[2], thumb[4], thumb[5])])
+    assert shown.run("viewer.state.k") == 5
+    assert set(shown.run("seen")) >= {2, 4, 5}
+    assert shown.run("document.querySelector('.formula').textContent") == "T5 Le"
+
+
+@needs_browser
+def test_exposure_slider(shown: Browser) -> None:
+    before = shown.image()
+    x, y, width, height = shown.box("#ev")
+    middle = x + 8 + (width - 16) / 3
+    shown.mouse((middle, y + height / 2), (middle + width / 9, y + height / 2))
+    assert shown.run("viewer.state.ev") == pytest.approx(2.0, abs=0.3)
+    assert "exposure +" in shown.run("document.querySelectorAll('.note')[1].textContent")
+    assert shown.image().astype(int).mean() > before.astype(int).mean() + 3
+
+
+@needs_browser
+def test_every_key(shown: Browser, series: Series) -> None:
+    for key, name, value in [
+        ("ArrowRight", "k", 2), ("End", "k", series.last), ("ArrowRight", "k", series.last),
+        ("ArrowLeft", "k", series.last - 1), ("Home", "k", 0),
+        ("ArrowUp", "ev", 0.5), ("ArrowDown", "ev", 0), ("ArrowDown", "ev", -0.5), ("0", "ev", 0),
+        ("n", "normalised", True), ("t", "tone", "linear"), ("m", "markClipped", True), ("f", "falseColour", True),
+        ("c", "camera", 1), ("v", "show", "order"), ("v", "show", "sum"), ("v", "show", "both"),
+    ]:  # fmt: skip
+        shown.key(key)
+        assert shown.run("viewer.state")[name] == value, key
+    shown.key("?")
+    assert shown.run("document.getElementById('help').open")
+    shown.key("n")
+    assert shown.run("viewer.state.normalised")  # keys wait while the list is open
+
+
+@needs_browser
+def test_controls_do_what_the_keys_do(shown: Browser) -> None:
+    for selector, name, value in [
+        ("#on", "k", 2), ("#back", "k", 1), ("#normalised", "normalised", True), ("#falseColour", "falseColour", True),
+        ("#markClipped", "markClipped", True), ("#camera", "camera", 1), ("#play", "playing", True),
+    ]:  # fmt: skip
+        x, y, width, height = shown.box(selector)
+        shown.mouse((x + width / 2, y + height / 2))
+        assert shown.run("viewer.state")[name] == value, selector
+
+
+@needs_browser
+def test_play_goes_on_by_itself_and_stops_at_the_slider(shown: Browser) -> None:
+    shown.key(" ")
+    moved = """new Promise((done) => {
+        const from = viewer.state.k;
+        const look = () => (viewer.state.k === from ? setTimeout(look, 20) : done(viewer.state.k));
+        look();
+    })"""
+    assert [shown.run(moved), shown.run(moved)] == [2, 3]
+    shown.key(" ")
+    assert not shown.run("viewer.state.playing")
+
+
+@needs_browser
+def test_click_reads_the_values_of_a_patch(shown: Browser, solution: rad.Solution) -> None:
+    shown.run("viewer.set({ k: 3 })")
+    x, y, width, height = shown.box("canvas")
+    shown.mouse((x + 0.75 * width, y + 0.45 * height))
+    patch = shown.run("viewer.state.picked")
+    words = shown.run("document.getElementById('pick').textContent")
+    name = solution.patches.surface_names[solution.patches.surface[patch]]
+    assert f"patch {patch} of {name}, " in words
+    area = float(words.split(", ")[1].split(" cm²")[0])
+    assert area == pytest.approx(solution.patches.area[patch] * 1e4, rel=0.006)
+    for line, light in zip(words.splitlines()[1:3], (solution.orders[3], solution.orders[:4].sum(axis=0)), strict=True):
+        values = [float(v.replace(" × 10^", "e")) for v in line.split("B = ")[1].removesuffix(" W/m²").split(" / ")]
+        assert values == pytest.approx(light[patch], rel=0.01)
+    shown.mouse((x + 3, y + 3))
+    assert shown.run("viewer.state.picked") == -1
+
+
+@needs_browser
+def test_drag_turns_wheel_zooms_shift_moves(shown: Browser) -> None:
+    x, y, width, height = shown.box("canvas")
+    centre = (x + width / 2, y + height / 2)
+    seen = [shown.image()]
+    for act in (
+        lambda: shown.mouse(centre, (centre[0] + 30, centre[1]), (centre[0] + 60, centre[1] + 20)),
+        lambda: shown.mouse(centre, wheel=-240),
+        lambda: shown.mouse(centre, (centre[0] + 40, centre[1]), modifiers=8),
+    ):
+        act()
+        seen.append(shown.image())
+        assert np.mean(np.any(seen[-1] != seen[-2], axis=-1)) > 0.02
+    assert shown.run("viewer.state.picked") == -1  # a drag is no click
+
+
+@needs_browser
+def test_a_phone_shows_one_picture_and_takes_fingers(browser: Browser, file: Path) -> None:
+    browser.size(390, 844, phone=True)
+    browser.open(file)
+    assert browser.run("viewer.state.show") == "sum"
+    assert browser.run("document.documentElement.scrollWidth") <= 390
+    x, y, width, height = browser.box("canvas")
+    assert width > 350
+    assert height > 300
+    for selector in ("#back", "#play", "#on", "#camera", "#show"):
+        assert browser.box(selector)[3] >= 44  # as high as a finger
+    before = browser.image()
+    browser.touch([(200, y + 100)], [(230, y + 110)], [(280, y + 120)])
+    turned = browser.image()
+    assert np.mean(np.any(turned != before, axis=-1)) > 0.02
+    browser.touch([(150, y + 100), (250, y + 100)], [(130, y + 100), (270, y + 100)], [(100, y + 100), (300, y + 100)])
+    assert np.mean(np.any(browser.image() != turned, axis=-1)) > 0.02
+    browser.touch([(x + width / 2, y + height / 2)])
+    assert browser.run("viewer.state.picked") >= 0
+    assert browser.complaints == []
+    browser.size(1000, 640)
+
+
+@needs_browser
+def test_names_in_a_scene_are_only_names(browser: Browser, solution: rad.Solution, tmp_path: Path) -> None:
+    names = (NASTY, *solution.patches.surface_names[1:])
+    patches = dataclasses.replace(solution.patches, surface_names=names, name=NASTY)
+    file = page.write_page(dataclasses.replace(solution, patches=patches), tmp_path / "nasty.html")
+    browser.size(1000, 640)
+    browser.open(file)
+    assert browser.run("document.title") == f"Light in {NASTY}, bounce by bounce"
+    assert browser.run("viewer.meta.surfaceNames[0]") == NASTY
+    assert browser.complaints == []
+
+
+@needs_browser
+@pytest.mark.parametrize("channels", [1, 4])
+def test_grey_light_and_spectra_are_shown(browser: Browser, tmp_path: Path, channels: int) -> None:
+    floor = rad.Surface(
+        "floor", [[0, 0, 0], [1, 0, 0], [1, 0, -1], [0, 0, -1]], [[0, 1, 2, 3]], rad.Material([0.5] * channels)
+    )
+    solution = rad.solve(rad.Scene([floor], sky=np.arange(1.0, channels + 1)), patch_count=16, bounces=2)
+    browser.size(1000, 640)
+    browser.open(page.write_page(solution, tmp_path / "floor.html"))
+    series = Series.of(solution)
+    pixels, patches = pixels_and_patches(browser, "sum")
+    assert len(np.unique(patches)) == len(solution.patches)
+    assert np.abs(pixels - picture(series, start(series, order=1), "sum")[patches]).max() <= 2
+    assert browser.complaints == []
+
+
+@needs_browser
+def test_without_webgl_the_page_says_so(file: Path, tmp_path: Path) -> None:
+    browser = Browser(tmp_path, flags=("--disable-3d-apis",))
+    try:
+        browser.size(800, 600)
+        browser.open(file)
+        assert "cannot draw with WebGL2: the numbers are in the table below" in browser.run(
+            "document.getElementById('trouble').textContent"
+        )
+        assert browser.box("#trouble")[3] > 20
+        assert browser.complaints == []
+    finally:
+        browser.close()
+
+
+STEPS = """(() => {
+    const gl = viewer.painter.gl, times = [], pixel = new Uint8Array(4);
+    for (let i = 0; i < 22; i++) {
+        const begin = performance.now();
+        viewer.set({ k: i % 11 });
+        viewer.draw();
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        times.push(performance.now() - begin);
+    }
+    return times;
+})()"""
+
+
+@needs_browser
+@pytest.mark.benchmark
+@pytest.mark.parametrize(("patches", "limit"), [(10_000, 16.0), (100_000, 33.0)])
+def test_a_step_is_quick_without_a_graphics_card(browser: Browser, tmp_path: Path, patches: int, limit: float) -> None:
+    solution = rad.solve(rad.scenes.cornell_box(), patch_count=patches, estimator=rad.MonteCarlo(rays=16), bounces=10)
+    browser.size(1280, 800)
+    browser.open(page.write_page(solution, tmp_path / "big.html"), "#show=sum")
+    times = browser.run(STEPS)
+    assert float(np.median(times)) <= limit, times
