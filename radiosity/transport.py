@@ -122,6 +122,19 @@ class TransportOperator:
         return len(self.factors), len(self.factors)
 
     @property
+    def stored_factors(self) -> FormFactors:
+        """`factors`, for what needs more than rows on demand.
+
+        Raises
+        ------
+        SolverError
+            They are rows on demand.
+        """
+        if isinstance(self.factors, RowsOnDemand):
+            raise SolverError("this needs stored form factors, not rows on demand: use Shooting or Neumann with those")
+        return self.factors
+
+    @property
     def area(self) -> FloatArray:
         """Area of the patches, m², (N,)."""
         return self.factors.area

@@ -49,8 +49,8 @@ def conserve(factors: FormFactors, keep: BoolArray | None = None) -> FormFactors
         Raw.
     keep : ndarray of bool (N,), optional
         Patches whose columns are exact (lamps, say) and are not scaled: G_ij = A_i F_ij of these j is taken
-        as it is, and for G_ji too; what such a patch's own row lacks goes to its diagonal. By default
-        `factors.exact_columns`.
+        as it is, and for G_ji too; such a patch's own row closes by its sky and backs, which were sampled, or by its
+        diagonal where it has none. By default `factors.exact_columns`.
 
     Returns
     -------
@@ -112,14 +112,14 @@ class _Scaled:
     matrix: csr_array
     to_sky: FloatArray
     to_backs: FloatArray
-    scale: FloatArray  # d, (N,)
+    scale: FloatArray  # d of what is not kept, (N,)
     largest: tuple[float, int, int]  # |d_i d_j - 1| over the entries, and where
     diagonal: float
     passes: int
 
 
 def _scale(factors: FormFactors, kept: BoolArray) -> _Scaled:
-    """Symmetrise, scale, and put what kept rows lack on their diagonal."""
+    """Symmetrise and scale; a kept row closes by its sky and backs, or by its diagonal where it has none."""
     area = factors.area
     exchange = _symmetric(factors.exchange_area(), kept)
     outside = area * (factors.to_sky + factors.to_backs)
@@ -127,13 +127,13 @@ def _scale(factors: FormFactors, kept: BoolArray) -> _Scaled:
     fixed = kept[row] | kept[exchange.indices]
     held = csr_array((exchange.data * fixed, exchange.indices, exchange.indptr), shape=exchange.shape)
     if kept.any():
-        exchange, held = _shrink_kept(exchange, held, kept, area - outside, row)
+        exchange, held = _shrink_kept(exchange, held, kept, area, row)
     free = csr_array((exchange.data * ~fixed, exchange.indices, exchange.indptr), shape=exchange.shape)
     target = area - csr_matmul(held, np.ones(len(area)))
-    target[kept] = 0.0
-    x, passes = _balance(free, np.where(kept, 0.0, outside), target, _naming(factors))
+    x, passes = _balance(free, np.where(kept, 0.0, outside), np.where(kept, 0.0, target), _naming(factors))
     d = np.exp(x)
     factor = np.where(fixed, 1.0, d[row] * d[exchange.indices])
+    d[kept] = np.divide(target, outside, out=np.ones_like(target), where=outside > 0)[kept]
     matrix = csr_array((exchange.data * factor / area[row], exchange.indices, exchange.indptr), shape=exchange.shape)
     to_sky, to_backs = factors.to_sky * d, factors.to_backs * d
     spare = np.where(kept, 1.0 - csr_matmul(matrix, np.ones(len(area))) - to_sky - to_backs, 0.0)
@@ -143,7 +143,7 @@ def _scale(factors: FormFactors, kept: BoolArray) -> _Scaled:
     worst = int(np.argmax(change))
     place = (int(row[worst]), int(exchange.indices[worst])) if change[worst] > 0 else (0, 0)
     largest = (float(change[worst]), *place)
-    return _Scaled(matrix, to_sky, to_backs, d, largest, float(spare.max(initial=0.0)), passes)
+    return _Scaled(matrix, to_sky, to_backs, np.exp(x), largest, float(spare.max(initial=0.0)), passes)
 
 
 def _symmetric(exchange: csr_array, kept: BoolArray) -> csr_array:
@@ -261,40 +261,44 @@ def _naming(factors: FormFactors) -> Callable[[Any], str]:
     return name
 
 
-def arrival_error(factors: FormFactors) -> tuple[FloatArray, FloatArray | None]:
-    """Defect of each column, and its standard error.
-
-    Returns
-    -------
-    defect : ndarray (N,)
-        Σ_i A_i F_ij / A_j + to_sky_j + to_backs_j - 1: by how much more arrives at j than leaves it.
-    error : ndarray (N,) or None
-        From replicates, or √(Σ_i A_i² F_ij (1 - F_ij) / rays) / A_j, which is exact for independent rays and too
-        large for low-discrepancy ones; None where nothing is known about the sampling.
-    """
-
-    def defect_of(run: FormFactors) -> FloatArray:
-        exchange = run.exchange_area()
-        arrived = np.bincount(exchange.indices, exchange.data, len(run))
-        return arrived / run.area + run.to_sky + run.to_backs - 1.0
-
-    defect = defect_of(factors)
-    if len(factors.replicates) > 1:
-        spread = np.std([defect_of(run) for run in factors.replicates], axis=0, ddof=1)
-        return defect, spread / np.sqrt(len(factors.replicates))
-    rays = getattr(factors.estimator, "rays", None)
-    if rays is None:
-        return defect, None
+def arrival_defect(factors: FormFactors) -> FloatArray:
+    """Σ_i A_i F_ij / A_j + to_sky_j + to_backs_j - 1, (N,): by how much more arrives at j than leaves it."""
     exchange = factors.exchange_area()
-    row = np.repeat(np.arange(len(factors)), np.diff(exchange.indptr))
-    variance = exchange.data * np.maximum(factors.area[row] - exchange.data, 0.0) / rays
-    return defect, np.sqrt(np.bincount(exchange.indices, variance, len(factors))) / factors.area
+    arrived = np.bincount(exchange.indices, exchange.data, len(factors))
+    return arrived / factors.area + factors.to_sky + factors.to_backs - 1.0
+
+
+def arrival_error(factors: FormFactors) -> FloatArray | None:
+    """Standard error of `arrival_defect`, (N,); None where nothing is known about the sampling.
+
+    The larger of the spread of replicates (few of them can agree by chance) and the binomial
+    √(Σ_i A_i² F_ij (1 - F_ij) / rays) / A_j, right for independent rays and too large for low-discrepancy ones.
+    """
+    errors = []
+    if len(factors.replicates) > 1:
+        spread = np.std([arrival_defect(run) for run in factors.replicates], axis=0, ddof=1)
+        errors.append(spread / np.sqrt(len(factors.replicates)))
+    rays = sampling_rays(factors)
+    if rays is not None:
+        exchange = factors.exchange_area()
+        row = np.repeat(np.arange(len(factors)), np.diff(exchange.indptr))
+        variance = exchange.data * np.maximum(factors.area[row] - exchange.data, 0.0) / rays
+        errors.append(np.sqrt(np.bincount(exchange.indices, variance, len(factors))) / factors.area)
+    return np.max(errors, axis=0) if errors else None
+
+
+def sampling_rays(factors: FormFactors) -> float | None:
+    """Rays per patch that random sampling spent on these factors; None where they were not sampled so."""
+    estimator: Any = factors.estimator
+    if not hasattr(estimator, "sampling"):
+        return None
+    return float(estimator.rays) / (1 if factors.replicates else estimator.replicates)
 
 
 def _warn_of_unexplained(factors: FormFactors, scale: FloatArray) -> None:
     """Name patches whose correction is larger than sampling explains."""
     correction = np.abs(scale**2 - 1.0)
-    defect, error = arrival_error(factors)
+    defect, error = arrival_defect(factors), arrival_error(factors)
     if error is None:
         strange = correction > UNEXPLAINED
         known = "nothing is known about their sampling error"

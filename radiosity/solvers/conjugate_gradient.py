@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SolverError
-from ..form_factors.on_demand import RowsOnDemand
 from ..result import Step
 from .base import Problem, Solver
 from .direct import channels_alike
@@ -64,15 +63,13 @@ class ConjugateGradient(Solver):
 
     def steps(self, problem: Problem) -> Iterator[Step]:
         """Yield a step at the start and after every `check` iterations."""
-        if isinstance(problem.T.factors, RowsOnDemand):
-            raise SolverError("ConjugateGradient needs stored, conserved factors: use Shooting with rows on demand")
-        rooms = find_rooms(problem.T.factors)
+        rooms = find_rooms(problem.T.stored_factors)
         problem.count("solver/products", rooms.products)
         problem.statistics["solver/rooms"] = rooms.count
         if not rooms.asymmetry <= ASYMMETRY:
             raise SolverError(
                 f"ConjugateGradient needs symmetric exchange areas, but ‖G - Gᵀ‖ / ‖G‖ = "
-                f"{problem.T.factors.reciprocity_defect:.3g}: use factors.conserved(), or Neumann on raw factors"
+                f"{problem.T.stored_factors.reciprocity_defect:.3g}: use factors.conserved(), or Neumann on raw factors"
             )
         system = _Irradiance(problem, rooms)
         before = np.zeros_like(problem.source)

@@ -21,7 +21,8 @@ class Rays:
     """What the factors below were sampled with."""
 
     rays: int
-    binomial_rays: int | None = None
+    replicates: int = 1
+    sampling: str = "random"
 
 
 def exact(count=60, seed=1, sky=0.0):

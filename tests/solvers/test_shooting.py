@@ -83,7 +83,7 @@ def test_what_needs_a_matrix_says_so():
     T = TransportOperator(rows, reflectance=0.5)
     with pytest.raises(MemoryLimitError, match="use Shooting or Neumann"):
         Direct().solve(T, np.ones(2))
-    with pytest.raises(SolverError, match="needs stored, conserved factors"):
+    with pytest.raises(SolverError, match="needs stored form factors"):
         ConjugateGradient().solve(T, np.ones(2))
 
 
