@@ -27,6 +27,7 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve what the lecture shows, and give it."""
     from .. import lectures
     from ..viewer import probe
+    from .interrupts import window_open
 
     if args.name is None:
         for name in lectures.names():
@@ -37,7 +38,8 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
     with screen.working(f"solving for {lecture.title!r}"):
         solution = lecture.solve()
     if args.pictures is None and probe.has_display():
-        lectures.run(lecture, solution)
+        with window_open():
+            lectures.run(lecture, solution)
         return
     folder = args.pictures or Path(f"{lecture.name}_lecture")
     if args.pictures is None:

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
-from typing import Any
+from collections.abc import Sequence
+from contextlib import suppress
 
 from .._version import __version__
 from ..errors import RadiosityError
 from . import lecture, scenes, solve, view
 from .console import Screen
+from .interrupts import INTERRUPTED, interruptible
 
-FAILED, INTERRUPTED = 2, 130  # exit codes; 130 is what shells give a command that Ctrl-C has ended
-GRACE = 0.8  # seconds from Ctrl-C until a library that does not listen is left behind
+FAILED = 2
 
 COMMANDS = (solve, view, lecture, scenes)
 
@@ -55,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     screen = Screen(quiet=getattr(args, "quiet", False))
-    with _interruptible(), screen.warnings():
+    with interruptible(), screen.warnings():
         return _run(args, screen)
 
 
@@ -97,35 +94,3 @@ def parser() -> argparse.ArgumentParser:
         command.add_arguments(own)
         own.set_defaults(run=command.run)
     return top
-
-
-@contextmanager
-def _interruptible() -> Iterator[None]:
-    """Have Ctrl-C end the program soon, also while compiled code runs that does not listen.
-
-    Python raises KeyboardInterrupt between two of its own steps; a compiler or a window's event loop may not
-    take one for long. What is being written is in a temporary file until it is whole, so that leaving is safe.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def interrupt(*_: Any) -> None:
-        leave = threading.Timer(GRACE, _leave)
-        leave.daemon = True
-        leave.start()
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGINT, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _leave() -> None:
-    """End the process as it stands."""
-    show_cursor = b"\x1b[?25h" if os.isatty(2) else b""
-    with suppress(OSError):
-        os.write(2, show_cursor + b"error: interrupted\n")
-    os._exit(INTERRUPTED)

@@ -71,12 +71,14 @@ def _window(solved: rad.Solution, settings: dict[str, Any], screen: Screen) -> b
     """Open the window; False, and why, if there can be none."""
     from ..errors import DisplayError
     from ..viewer import probe
+    from .interrupts import window_open
 
     if not probe.has_display():
         screen.say("there is no display; writing pictures instead")
         return False
     try:
-        solved.show(**settings)
+        with window_open():
+            solved.show(**settings)
     except DisplayError as error:
         screen.warn(f"no window: {error} Writing pictures instead")
         return False

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -191,6 +192,20 @@ def start(*words, **environment):
     )
 
 
+@pytest.fixture
+def display(tmp_path):
+    """A screen in memory."""
+    number = tmp_path / "display"
+    with number.open("w+") as file:
+        command = ["Xvfb", "-displayfd", str(file.fileno()), "-screen", "0", "1300x800x24", "-nolisten", "tcp"]
+        server = subprocess.Popen(command, pass_fds=[file.fileno()], stderr=subprocess.DEVNULL)
+    while server.poll() is None and not number.read_text().strip():
+        time.sleep(0.05)
+    yield ":" + number.read_text().strip()
+    server.terminate()
+    server.wait()
+
+
 @pytest.mark.slow
 def test_viewer_py_is_view():
     run = start(str(ROOT / "viewer.py"), "--bounces", "1", *SMALL, "--screenshot", "a.docx")
@@ -214,6 +229,29 @@ def test_ctrl_c_ends_within_two_seconds_and_keeps_the_old_file(place, seconds):
     assert told.splitlines()[-1].startswith("error: interrupted")
     assert [path.name for path in place.iterdir()] == ["a.npz"]
     assert (place / "a.npz").read_text() == "old"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
+@needs_gl
+def test_ctrl_c_closes_the_window(display):
+    assert main(["solve", "furnace", *SMALL, "-q", "-o", "a.npz"]) == 0
+    code = (
+        "import os, signal, sys, threading\n"
+        "from radiosity.viewer import window\n"
+        "tick, window.Window._tick = window.Window._tick, lambda self, *_: (interrupt(), tick(self))\n"
+        "begun = []\n"
+        "def interrupt():\n"
+        "    if not begun: os.kill(os.getpid(), signal.SIGINT)\n"
+        "    begun.append(1)\n"
+        "from radiosity.cli import main\n"
+        "sys.exit(main(['view', 'a.npz']))\n"
+    )
+    run = start("-c", code, DISPLAY=display)
+    told = run.communicate(timeout=120)[1]
+    assert run.returncode == 130, told
+    assert told.splitlines()[-1] == "error: interrupted"
+    assert "Traceback" not in told
 
 
 @pytest.mark.slow
