@@ -1,5 +1,3 @@
-from .camera import Camera as Camera
-from .camera import presets as presets
 from .figures import contact_sheet as contact_sheet
 from .figures import power_plot as power_plot
 from .figures import save_picture as save_picture

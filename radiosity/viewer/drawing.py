@@ -10,7 +10,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from .camera import Camera
+from ..camera import Camera
 from .mesh import corner_weights, flat_mesh, smooth_mesh
 from .state import Pane, Series, ViewState, coloured, picture
 

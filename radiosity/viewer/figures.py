@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .. import display
+from ..camera import Camera, presets
 from ..errors import ParameterError
 from . import probe
-from .camera import Camera, presets
 from .drawing import Drawing
 from .state import PANES, Pane, Series, ViewState, caption, in_words, mathtext, start
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import display
-from .camera import presets
+from ..camera import presets
 from .state import Series, start
 
 if TYPE_CHECKING:

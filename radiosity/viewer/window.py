@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyvista as pv
 
+from ..camera import Camera, presets
 from . import probe
-from .camera import Camera, presets
 from .drawing import Drawing
 from .figures import save_image
 from .overlay import DESIGN_HEIGHT, FAINT, INK, PowerPanel, ScaleBar, Shapes, Words

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.viewer.camera import presets
+from radiosity.camera import presets
 
 
 def test_cornell_box_is_seen_by_its_official_camera() -> None:
