@@ -1,4 +1,5 @@
 # The public names. Read by lazy_loader when the package runs, and by editors and type checkers: one list for all.
+from . import colour as colour
 from . import errors as errors
 from . import photometry as photometry
 from . import scenes as scenes
@@ -11,6 +12,7 @@ from .exchange import total_exchange_factors as total_exchange_factors
 from .files import read_scene as read_scene
 from .files.solutions import read_solution as read_solution
 from .files import write_scene as write_scene
+from .form_factors import Analytic as Analytic
 from .form_factors import FormFactors as FormFactors
 from .form_factors import Hemicube as Hemicube
 from .form_factors import MonteCarlo as MonteCarlo
