@@ -5,6 +5,8 @@ from . import photometry as photometry
 from . import scenes as scenes
 from . import thermal as thermal
 from ._version import __version__ as __version__
+from .certificate import Certificate as Certificate
+from .certificate import certify as certify
 from .errors import RadiosityError as RadiosityError
 from .errors import RadiosityWarning as RadiosityWarning
 from .exchange import TotalExchange as TotalExchange
@@ -29,5 +31,9 @@ from .scene import Scene as Scene
 from .scene import Surface as Surface
 from .solution import Solution as Solution
 from .solve import solve as solve
+from .solvers import ConjugateGradient as ConjugateGradient
+from .solvers import Direct as Direct
+from .solvers import GaussSeidel as GaussSeidel
 from .solvers import Neumann as Neumann
+from .solvers import Shooting as Shooting
 from .transport import TransportOperator as TransportOperator

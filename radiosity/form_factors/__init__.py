@@ -1,8 +1,9 @@
 """Form factors: what share of the light that leaves one patch arrives at another."""
 
+from .analytic import Analytic
 from .estimate import form_factors
 from .factors import FormFactors
 from .hemicube import Hemicube
 from .monte_carlo import MonteCarlo
 
-__all__ = ["FormFactors", "Hemicube", "MonteCarlo", "form_factors"]
+__all__ = ["Analytic", "FormFactors", "Hemicube", "MonteCarlo", "form_factors"]

@@ -11,12 +11,13 @@ from ..errors import ParameterError
 from ..patches import Patches
 from ..progress import Progress, quiet
 from ..rays import Tracer
+from .analytic import Analytic
 from .assembly import Rows
 from .factors import FormFactors
 from .hemicube import Hemicube
 from .monte_carlo import MonteCarlo
 
-Estimator = MonteCarlo | Hemicube
+Estimator = MonteCarlo | Hemicube | Analytic
 
 
 def form_factors(
@@ -32,7 +33,7 @@ def form_factors(
     Parameters
     ----------
     patches : Patches
-    estimator : MonteCarlo or Hemicube, optional
+    estimator : MonteCarlo, Hemicube or Analytic, optional
         ``MonteCarlo()`` by default.
     dtype : float32 or float64, optional
         Of the weights. A row of float32 weights adds up to 1 within about 1e-7.

@@ -113,7 +113,7 @@ def point_to_polygons(
 
     Examples
     --------
-    A square of side 2 at distance 1, its middle straight ahead (4 × Howell's B-3):
+    A square of side 2 at distance 1, its middle straight ahead (Hamilton and Morgan, NACA TN 2836):
 
     >>> ceiling = [[[-1, -1, 1], [-1, 1, 1], [1, 1, 1], [1, -1, 1]]]
     >>> point_to_polygons([[0, 0, 0]], [[0, 0, 1]], ceiling).round(9)
