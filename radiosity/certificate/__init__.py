@@ -1,6 +1,6 @@
 """How wrong a solution can be: evidence, and a verdict."""
 
-from .certify import Certificate, certify
 from .energy import EnclosureEnergy
+from .verdict import Certificate, certify
 
 __all__ = ["Certificate", "EnclosureEnergy", "certify"]
