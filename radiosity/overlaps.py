@@ -81,10 +81,9 @@ def _triangles(scene: Scene) -> tuple[FloatArray, IntArray]:
 
 def _doubled(corners: FloatArray, surface: IntArray) -> IntArray:
     """Pairs of equal triangles of one surface, whichever way round."""
-    rows = np.take_along_axis(corners, np.lexsort(corners.transpose(2, 0, 1), axis=1)[:, :, None], axis=1)
-    group = _labels(np.column_stack([surface, rows.reshape(-1, 9)]))
+    group = _hash(corners).sum(axis=1, dtype=np.uint64) + surface.astype(np.uint64)  # a sum knows no order
     order = np.argsort(group, kind="stable")
-    same = np.flatnonzero(np.diff(group[order]) == 0)
+    same = np.flatnonzero(group[order][1:] == group[order][:-1])
     return np.column_stack([order[same], order[same + 1]])
 
 
@@ -96,14 +95,16 @@ def _candidates(normal: FloatArray, offset: FloatArray, corners: FloatArray, sur
     """
     key = np.column_stack([normal / (4 * TILT), offset / (4 * DEPTH)])
     found: list[tuple[int, int]] = []
+    if surface[0] == surface[-1]:  # there is but one
+        return np.zeros((0, 2), dtype=np.int64)
     for shift in (0.0, 0.5):
-        group = _labels(np.floor(key + shift))
-        order = np.argsort(group, kind="stable")
-        ends = np.flatnonzero(np.diff(group[order], append=-1)) + 1
-        for start, end in zip(np.concatenate([[0], ends[:-1]]), ends, strict=True):
-            members = order[start:end]
-            if (surface[members] != surface[members[0]]).any():
-                found += _box_pairs(members, corners, surface)
+        group = _hash(np.floor(key + shift))
+        order = np.lexsort((surface, group))
+        ordered = group[order]
+        mixed = (ordered[1:] == ordered[:-1]) & (np.diff(surface[order]) != 0)
+        for plane in np.unique(ordered[1:][mixed]):  # planes of several surfaces: few, even in large meshes
+            start, end = np.searchsorted(ordered, plane), np.searchsorted(ordered, plane, side="right")
+            found += _box_pairs(order[start:end], corners, surface)
     return np.unique(np.array(found, dtype=np.int64).reshape(-1, 2), axis=0)
 
 
@@ -141,13 +142,16 @@ def _near_others(corners: FloatArray, surface: IntArray, axes: NDArray[np.bool_]
     return near
 
 
-def _labels(rows: FloatArray) -> NDArray[np.int64]:
-    """Equal rows get equal numbers, by a hash of their bits: much faster than comparing rows."""
-    bits = np.ascontiguousarray(rows + 0.0).view(np.uint64)  # + 0.0: no negative zeros
-    odd = np.random.default_rng(0).integers(0, 2**63, rows.shape[1], dtype=np.uint64) * np.uint64(2) + np.uint64(1)
-    mixed = (bits ^ (bits >> np.uint64(32))) * odd
-    _, labels = np.unique((mixed ^ (mixed >> np.uint64(29))).sum(axis=1, dtype=np.uint64), return_inverse=True)
-    return labels.reshape(-1)
+def _hash(rows: FloatArray) -> NDArray[np.uint64]:
+    """Numbers for rows (…, n), equal for equal ones: much faster to compare than the rows."""
+    drawn: NDArray[np.uint64] = np.random.default_rng(0).integers(0, 2**63, rows.shape[-1], dtype=np.uint64)
+    odd = drawn | np.uint64(1)
+    result = np.zeros(rows.shape[:-1], dtype=np.uint64)
+    for k in range(rows.shape[-1]):
+        bits = (rows[..., k] + 0.0).view(np.uint64)  # + 0.0: no negative zeros
+        bits = (bits ^ (bits >> np.uint64(32))) * odd[k]
+        result += bits ^ (bits >> np.uint64(29))
+    return result
 
 
 def _common_area(one: FloatArray, other: FloatArray, normal: FloatArray) -> float:

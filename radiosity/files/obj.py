@@ -23,23 +23,10 @@ from .names import unique_names
 from .notes import Notes
 from .textures import mean_over_faces
 
-IGNORED = {"s", "vn", "lod", "shadow_obj", "trace_obj", "maplib", "usemap", "bevel", "c_interp", "d_interp", "mg"}
-FREE_FORM = {
-    "vp",
-    "cstype",
-    "deg",
-    "bmat",
-    "step",
-    "curv",
-    "curv2",
-    "surf",
-    "parm",
-    "trim",
-    "hole",
-    "scrv",
-    "sp",
-    "end",
-}
+IGNORED = {"s", "vn", "shadow_obj", "trace_obj", "maplib", "usemap", "bevel", "c_interp", "d_interp", "mg"}
+IGNORED |= {"lod"}  # codespell:ignore lod
+FREE_FORM = {"vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "trim", "hole", "scrv", "sp", "end"}
+FREE_FORM |= {"parm"}  # codespell:ignore parm
 
 
 @dataclass
