@@ -144,7 +144,7 @@ def _near_others(corners: FloatArray, surface: IntArray, axes: NDArray[np.bool_]
 
 def _hash(rows: FloatArray) -> NDArray[np.uint64]:
     """Numbers for rows (…, n), equal for equal ones: much faster to compare than the rows."""
-    drawn: NDArray[np.uint64] = np.random.default_rng(0).integers(0, 2**63, rows.shape[-1], dtype=np.uint64)
+    drawn: NDArray[np.uint64] = np.random.default_rng(0).integers(0, 2**63, (rows.shape[-1],), dtype=np.uint64)
     odd = drawn | np.uint64(1)
     result = np.zeros(rows.shape[:-1], dtype=np.uint64)
     for k in range(rows.shape[-1]):
