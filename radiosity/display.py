@@ -143,6 +143,9 @@ def linear(light: FloatArray) -> FloatArray:
     return np.clip(light, 0.0, 1.0)
 
 
+TONE_OPERATORS = {"reinhard": reinhard, "linear": linear}
+
+
 def clipped(light: FloatArray) -> NDArray[np.bool_]:
     """Rows of (…, 3) in which a channel passes 1, so that the linear operator does not show it: (…)."""
     return np.any(light > 1.0, axis=-1)
@@ -189,12 +192,10 @@ def tone_map(rgb: FloatArray, factor: float = 1.0, tone: Tone = "reinhard", *, m
         Unknown tone operator.
     """
     exposed = rgb * rgb.dtype.type(factor)
-    if tone == "reinhard":
-        return encode_srgb(reinhard(exposed))
-    if tone != "linear":
+    if tone not in TONE_OPERATORS:
         raise ParameterError(f"tone {tone!r} is unknown; choose from {', '.join(TONES)}")
-    codes = encode_srgb(linear(exposed))
-    if mark_clipped:
+    codes = encode_srgb(TONE_OPERATORS[tone](exposed))
+    if mark_clipped and tone == "linear":
         codes[clipped(exposed)] = CLIPPED_COLOUR
     return codes
 

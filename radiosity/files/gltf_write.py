@@ -49,12 +49,24 @@ def write_gltf(scene: Scene, path: Path) -> None:
         document["buffers"][0]["uri"] = uri
         write_bytes(path, json.dumps(document, allow_nan=False, indent=1).encode("ascii"))
         return
+    write_bytes(path, glb(document, binary))
+
+
+def glb(document: JSON, binary: bytes) -> bytes:
+    """A GLB of a document and its one buffer (glTF 2.0 specification, section 4.4).
+
+    Raises
+    ------
+    FileFormatError
+        More than the 4 GiB that the format holds.
+    """
     text = json.dumps(document, allow_nan=False, separators=(",", ":")).encode("ascii")
     text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
     chunks = struct.pack("<II", len(text), CHUNK_JSON) + text + struct.pack("<II", len(binary), CHUNK_BIN) + binary
     if len(chunks) + 12 >= 2**32:
         raise FileFormatError(f"the scene needs {len(chunks) + 12} bytes, a GLB holds 4 GiB; write .gltf")
-    write_bytes(path, struct.pack("<III", MAGIC, 2, len(chunks) + 12) + chunks)
+    return struct.pack("<III", MAGIC, 2, len(chunks) + 12) + chunks
 
 
 class _Writer:

@@ -1,3 +1,4 @@
+from .exports import export as export
 from .figures import contact_sheet as contact_sheet
 from .figures import power_plot as power_plot
 from .figures import save_picture as save_picture
