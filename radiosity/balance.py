@@ -52,9 +52,9 @@ class PowerBalance:
 
     @property
     def defect(self) -> float:
-        """Missing over what was put in, all channels together; 0 in a dark scene."""
+        """(absorbed + to_sky + to_backs) / put_in - 1, all channels together; 0 in a dark scene."""
         total = float(self.put_in.sum())
-        return float(self.missing.sum()) / total if total > 0 else 0.0
+        return -float(self.missing.sum()) / total if total > 0 else 0.0
 
 
 def power_balance(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .balance import PowerBalance, power_balance
+from .certificate import Certificate, certify
 from .errors import FileFormatError
 from .form_factors import FormFactors
 from .irradiance import irradiance_at
@@ -25,8 +27,7 @@ from .transport import TransportOperator
 
 FloatArray = NDArray[np.float64]
 
-PICTURES = (".png",)
-DATA = (".npz", ".vtp")
+DATA, PAGES, PICTURES = (".npz", ".vtp"), (".html",), (".png",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +124,12 @@ class Solution:
         """Power put in, absorbed, escaped, and what the sum lacks."""
         return power_balance(self.patches, self.factors, self.radiosity, self.irradiance)
 
+    @cached_property
+    def certificate(self) -> Certificate:
+        """How wrong the light can be, as far as form factors and algebra go; computed when it is first asked for."""
+        T = TransportOperator(self.factors, self.patches)
+        return certify(T, self.emission, self.radiosity, self.sky)
+
     def relight(
         self,
         *,
@@ -203,9 +210,9 @@ class Solution:
         ----------
         path : path
             `.npz`: everything, for `rad.read_solution`. `.vtp`: all orders on the patches, for ParaView and others.
-            `.png`: a picture.
+            `.html`: a page with all bounces, for any browser. `.png`: a picture.
         **settings
-            For pictures: see `radiosity.viewer.figures.save_picture`.
+            Of a page: see `radiosity.viewer.page.write_page`. Of a picture: `radiosity.viewer.figures.save_picture`.
 
         Raises
         ------
@@ -218,23 +225,26 @@ class Solution:
         """
         file = Path(path)
         suffix = file.suffix.lower()
-        if suffix in PICTURES:
-            from .files.atomic import replacing
-            from .viewer.figures import save_picture
-
-            with replacing(file) as temporary:
-                save_picture(self, temporary, **settings)
-            return
-        if settings or suffix not in DATA:
-            known = ", ".join(DATA + PICTURES)
-            raise FileFormatError(
-                f"{file}: {', '.join(settings)} {'are' if len(settings) > 1 else 'is'} for pictures only"
-                if suffix in DATA
-                else f"{file}: solutions are not written as {file.suffix!r}; choose from {known}"
-            )
+        if suffix in DATA and settings:
+            raise FileFormatError(f"{file}: {', '.join(settings)}: only pictures and pages have settings")
+        if suffix not in DATA + PAGES + PICTURES:
+            known = ", ".join(DATA + PAGES + PICTURES)
+            raise FileFormatError(f"{file}: solutions are not written as {file.suffix!r}; choose from {known}")
+        from .files.atomic import replacing
         from .files.solutions import write_solution
 
-        write_solution(self, file)
+        if suffix in DATA:
+            write_solution(self, file)
+            return
+        with replacing(file) as temporary:
+            if suffix in PAGES:
+                from .viewer.page import write_page
+
+                write_page(self, temporary, **settings)
+            else:
+                from .viewer.figures import save_picture
+
+                save_picture(self, temporary, **settings)
 
     def show(self, **settings: Any) -> None:
         """Open the viewer; returns when its window is closed. See `radiosity.viewer.view` for the settings.
@@ -250,11 +260,11 @@ class Solution:
 
     def __str__(self) -> str:
         """The story in a few lines."""
-        lines = [_scene_line(self.patches), _factor_line(self.factors), _power_line(self.balance)]
+        lines = [_scene_line(self.patches), _factor_line(self.factors)]
         if self.power is not None:
             lines.append("by bounce, W: " + power_by_bounce(self.power))
         lines.append("seconds: " + ", ".join(f"{stage} {s:.2f}" for stage, s in seconds(self.statistics).items()))
-        return "\n".join([*lines, self.status])
+        return "\n".join([*lines, self.status, str(self.certificate)])
 
 
 def _scene_line(patches: Patches) -> str:
@@ -267,22 +277,8 @@ def _scene_line(patches: Patches) -> str:
 
 
 def _factor_line(factors: FormFactors) -> str:
-    count = len(factors)
-    closure = float(np.max(np.abs(factors.closure_defect)))
-    return (
-        f"form factors by {factors.estimator}: {factors.matrix.nnz:,} non-zeros ({factors.matrix.nnz / count**2:.2%}); "
-        f"closure defect {closure:.1e}, reciprocity defect {factors.reciprocity_defect:.2g}"
-    )
-
-
-def _power_line(balance: PowerBalance) -> str:
-    put_in, absorbed, to_sky, to_backs = (
-        float(part.sum()) for part in (balance.put_in, balance.absorbed, balance.to_sky, balance.to_backs)
-    )
-    return (
-        f"power, W: {put_in:.4g} put in; {absorbed:.4g} absorbed, {to_sky:.4g} escaped, {to_backs:.4g} on black backs; "
-        f"energy defect {balance.defect:+.2%}"
-    )
+    entries, count = factors.matrix.nnz, len(factors)
+    return f"form factors by {factors.estimator}: {entries:,} non-zeros ({entries / count**2:.2%})"
 
 
 def power_by_bounce(power: FloatArray, shown: int = 6) -> str:

@@ -83,19 +83,22 @@ def test_light_on_black_backs_is_counted():
 
 
 def test_energy_defect_of_raw_factors_is_small_and_told(box):
-    assert 0 < abs(box.balance.defect) < 0.05  # the lamp is two patches: few rays meet it
-    assert f"energy defect {box.balance.defect:+.2%}" in str(box)
+    assert 0 < abs(box.balance.defect) < 0.01
+    assert box.certificate.energy_defect == pytest.approx(box.balance.defect, rel=1e-4)
+    assert f"defect {box.certificate.energy_defect:.2g} ±" in str(box)
 
 
 def test_the_story_is_told_in_a_few_lines(box):
     lines = str(box).splitlines()
-    assert len(lines) == 6
+    assert len(lines) == 9
     assert lines[0].startswith("cornell_box: ")
     assert "8 surfaces, open, 3 channels" in lines[0]
     assert f"{box.factors.matrix.nnz:,} non-zeros" in lines[1]
-    assert f"0: {box.power[0].sum():.4g}, 1: {box.power[1].sum():.4g}" in lines[3]
-    assert all(stage in lines[4] for stage in ("patches", "ray tree", "form factors", "solve"))
-    assert lines[5] == box.status
+    assert f"0: {box.power[0].sum():.4g}, 1: {box.power[1].sum():.4g}" in lines[2]
+    assert all(stage in lines[3] for stage in ("patches", "ray tree", "form factors", "solve"))
+    assert lines[4] == box.status
+    assert "\n".join(lines[5:]) == str(box.certificate)
+    assert lines[5].startswith("uncertified to 1 %: algebra within ")
 
 
 # Relighting
@@ -240,11 +243,13 @@ def test_points_that_are_none_are_refused(rug, points, normals, words):
 
 
 def test_an_unknown_suffix_names_those_that_there_are(rug, tmp_path):
-    with pytest.raises(FileFormatError, match=r"not written as '\.docx'; choose from \.npz, \.vtp, \.png"):
+    with pytest.raises(FileFormatError, match=r"not written as '\.docx'; choose from \.npz, \.vtp, \.html, \.png"):
         rug.save(tmp_path / "rug.docx")
-    with pytest.raises(FileFormatError, match="exposure is for pictures only"):
+    with pytest.raises(FileFormatError, match="exposure: only pictures and pages have settings"):
         rug.save(tmp_path / "rug.npz", exposure=1.0)
     assert list(tmp_path.iterdir()) == []
+    rug.save(tmp_path / "rug.html", title="A rug")
+    assert "A rug" in (tmp_path / "rug.html").read_text(encoding="utf-8")
 
 
 def test_other_solvers_may_have_no_orders(rug):

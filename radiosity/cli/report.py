@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -17,12 +15,19 @@ CHANNEL_NAMES = {1: ("power, W",), 3: ("red, W", "green, W", "blue, W")}
 
 
 def print_report(solution: rad.Solution, console: Console) -> None:
-    """Patches, form factors, defects, seconds, power of each bounce, and whether it converged."""
+    """Patches, form factors, defects, seconds, power of each bounce, whether it converged, how wrong it can be."""
     console.print(_facts(solution))
     if solution.power is not None:
         console.print(_bounces(solution.power))
-    style = "green" if solution.converged else "bold yellow"
-    console.print(solution.status, style=style, markup=False, highlight=False, soft_wrap=True)
+    certificate = solution.certificate
+    for line, good in ((solution.status, solution.converged), (_verdict(certificate), not certificate.reasons)):
+        console.print(line, style="green" if good else "yellow", markup=False, highlight=False, soft_wrap=True)
+
+
+def _verdict(certificate: Any) -> str:
+    """The certificate's verdict, and what to do for a better one."""
+    first = str(certificate).partition("\n")[0]
+    return "\n".join([first, *(f"  {reason}" for reason in certificate.reasons)])
 
 
 def _facts(solution: rad.Solution) -> Table:
@@ -40,30 +45,44 @@ def _facts(solution: rad.Solution) -> Table:
 def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
     from ..solution import seconds
 
-    patches, factors, balance = solution.patches, solution.factors, solution.balance
+    patches, factors, certificate = solution.patches, solution.factors, solution.certificate
     entries = factors.matrix.nnz
     kind = "closed" if patches.closed else "open"
+    expected = certificate.reciprocity_expected
+    beside = "" if expected is None else f" ({expected:.2g} expected of raw factors)"
     rows = [
         ("patches", f"{len(patches):,} on {len(patches.surface_names)} surfaces, {kind}"),
         ("form factors", f"{factors.estimator}"),
         ("non-zeros", f"{entries:,} ({entries / len(patches) ** 2:.2%}), {_bytes(factors)}"),
-        ("closure defect", f"{np.abs(factors.closure_defect).max():.2g} at most in a row"),
-        ("reciprocity defect", f"{factors.reciprocity_defect:.2g} of all exchange (raw factors: sampling error)"),
+        ("closure defect", f"{certificate.closure:.2g} at most in a row"),
+        ("reciprocity defect", f"{certificate.reciprocity:.2g} of all exchange{beside}"),
+        ("power", _power(solution)),
+        ("energy defect", _defect(certificate)),
     ]
-    if leaked := solution.statistics.get("rays/leaked"):
+    if leaked := certificate.leaked_rays:
         rows.append(("leaks", f"{leaked:,} rays of {solution.statistics['rays/traced']:,} left a closed scene"))
-    put_in = float(balance.put_in.sum()) or 1.0
-    shares = {
-        name: f"{float(part.sum()):.4g} W {name} ({float(part.sum()) / put_in:.1%})"
-        for name, part in (("absorbed", balance.absorbed), ("escaped", balance.to_sky), ("on backs", balance.to_backs))
-        if part.any()
-    }
-    rows.append(("power", ", ".join([f"{float(balance.put_in.sum()):.4g} W put in", *shares.values()])))
-    rows.append(("energy defect", f"{balance.defect:+.2%}"))
     stages = seconds(solution.statistics)
     parts = ", ".join(f"{stage} {s:.2f}" for stage, s in stages.items())
     rows.append(("seconds", f"{parts}; together {sum(stages.values()):.2f}"))
     return rows
+
+
+def _power(solution: rad.Solution) -> str:
+    """Power put in, and where it ends."""
+    balance = solution.balance
+    put_in = float(balance.put_in.sum())
+    ends = {"absorbed": balance.absorbed, "escaped": balance.to_sky, "on black backs": balance.to_backs}
+    parts = [
+        f"{float(part.sum()):.4g} W {name} ({float(part.sum()) / put_in:.1%})"
+        for name, part in ends.items()
+        if part.any()
+    ]
+    return ", ".join([f"{put_in:.4g} W put in", *parts])
+
+
+def _defect(certificate: Any) -> str:
+    spread = "" if certificate.energy_error is None else f" ± {certificate.energy_error:.2%}, its standard error"
+    return f"{certificate.energy_defect:+.2%}{spread}"
 
 
 def _bytes(factors: Any) -> str:

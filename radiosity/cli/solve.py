@@ -16,7 +16,8 @@ examples:
   radiosity solve room.obj --unit mm --sky 1 --lamp "Ceiling lamp=30,28,25" -o room.npz
   radiosity solve room.npz --lamp Ceiling=0 -o dark.vtp       other light on the same form factors, at once
 
-A .npz holds everything, for `radiosity view` and rad.read_solution; a .vtp all bounces, for ParaView; a .png a picture.
+A .npz holds everything, for `radiosity view` and rad.read_solution; a .vtp all bounces, for ParaView; a .html a page
+with all bounces, for any browser; a .png a picture.
 """
 
 
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="write the solution; .npz, .vtp or .png; may be given again",
+        help="write the solution; .npz, .vtp, .html or .png; may be given again",
     )
     arguments.add_scene(parser)
     arguments.add_solve(parser)
@@ -40,22 +41,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve, report, write."""
-    from ..solution import DATA, PICTURES
-    from .drawing import probe_early
+    from ..solution import DATA, PAGES, PICTURES
+    from ..viewer import probe
     from .report import print_report
     from .source import solution
 
+    def needs_gl(path: Path) -> bool:
+        return path.suffix.lower() in PICTURES
+
     for path in args.output:
-        arguments.check_output(path, DATA + PICTURES)
-    pictures = any(path.suffix.lower() in PICTURES for path in args.output)
-    ready = probe_early("off-screen") if pictures else None
+        arguments.check_output(path, DATA + PAGES + PICTURES)
+    if any(map(needs_gl, args.output)):
+        probe.begin()
     solved = solution(args.scene, args, screen)
     if not args.quiet:
         print_report(solved, screen.out)
-    for path in sorted(
-        args.output, key=lambda path: path.suffix.lower() in PICTURES
-    ):  # what cannot fail for lack of GL
-        if ready is not None and path.suffix.lower() in PICTURES:
-            ready()
+    for path in sorted(args.output, key=needs_gl):  # first what cannot fail for lack of GL
         solved.save(path)
         screen.say(f"wrote {path}")

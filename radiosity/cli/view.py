@@ -40,17 +40,15 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve if need be, and show."""
     from ..viewer import probe
     from . import source
-    from .drawing import probe_early
 
     if args.screenshot is not None:
         arguments.check_output(args.screenshot, (".png",))
     window = args.screenshot is None and args.pictures is None and probe.has_display()
-    ready = probe_early("window" if window else "off-screen")
+    probe.begin("window" if window else "off-screen")
     word = args.scene or source.default()
     solved = source.solution(word, args, screen)
     screen.say(f"{solved.scene.name}: {len(solved.patches):,} patches; {solved.status}")
     settings = {"order": args.order, "exposure": args.exposure}
-    ready()
     if args.screenshot is not None:
         with screen.working("drawing"):
             _screenshot(solved, args.screenshot, settings)

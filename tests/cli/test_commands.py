@@ -32,7 +32,7 @@ def place(tmp_path, monkeypatch):
 
 def no_gl(*_args):
     """What a test picture comes to where the GL libraries are missing: VTK takes its process with it."""
-    return subprocess.CompletedProcess([], -signal.SIGSEGV, "", "")
+    return probe.Drawn(-signal.SIGSEGV, "", "")
 
 
 needs_gl = pytest.mark.skipif("not __import__('radiosity.viewer.probe', fromlist=['x']).can_draw()")

@@ -95,7 +95,10 @@ def test_words_that_make_no_sense(words, said, capsys):
         (["solve", "damaged.npz"], "damaged.npz: it is no numpy archive, or it was cut short"),
         (["solve", "scene.blend"], "scene.blend"),
         (["solve", "."], "is a folder"),
-        (["solve", "furnace", "-o", "furnace.docx"], "'.docx' is not written here; choose from .npz, .vtp, .png"),
+        (
+            ["solve", "furnace", "-o", "furnace.docx"],
+            "'.docx' is not written here; choose from .npz, .vtp, .html, .png",
+        ),
         (["solve", "furnace", "-o", "none/furnace.npz"], "there is no folder none; make it first"),
         (["solve", "furnace", "-o", "folder.npz"], "it is a folder"),
         (["solve", "furnace", "--unit", "mm"], "--unit is for files"),
