@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..patches import Patches
-from ..rays import FaceTable, Tracer, patch_point
+from ..rays import FaceTable, Tracer, patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key, sobol_points
 from .assembly import RowBlock
 from .contour import exchange_area_matrix
@@ -144,7 +144,9 @@ class DirectLight:
 
     def _entries(self, begin: int, end: int) -> tuple[Entries, int]:
         """Columns of emitters in the rows begin … end, and how many shadow rays it took."""
-        exchange = exchange_area_matrix(self.patches.corners[begin:end], self.emitters.corners, threads=1)
+        faces = self.patches.faces[begin:end]
+        corners = self.patches.vertices[np.where(faces < 0, faces[:, [0, 1, 2, 2]], faces)]
+        exchange = exchange_area_matrix(corners, self.emitters.corners, threads=1)
         factors = exchange / self.patches.area[begin:end, None]
         row, emitter = np.nonzero(factors > NEGLIGIBLE)
         pairs = np.stack([row + begin, emitter], axis=1)
@@ -186,33 +188,34 @@ class _Ground(NamedTuple):
 @numba.njit(nogil=True, cache=True)
 def _shadow_rays(ground, pairs, points, run, origins, directions, weight):  # type: ignore[no-untyped-def]
     """Rays from points of patches to points of emitters, and their kernels cos θ cos θ' / r² (0 behind either)."""
-    sample = np.empty(4)
-    here, there = np.empty(3), np.empty(3)
     count = weight.shape[1]
+    samples = np.empty((4, count))
     for p in range(pairs.shape[0]):
         i, e = pairs[p, 0], pairs[p, 1]
+        _samples(key(key(np.uint64(run), np.uint64(i)), np.uint64(e)), points, samples)
         f, g = ground.face[i], ground.emitter_face[e]
         up, towards = np.float64(ground.side[i]), np.float64(ground.emitter_side[e])
+        here, there = origins[p * count : (p + 1) * count], directions[p * count : (p + 1) * count]
+        patch_points(ground.table, f, i - ground.first[i], up, samples[0], samples[1], here)
+        patch_points(ground.whole, g, 0, 0.0, samples[2], samples[3], there)  # not lifted: the ray ends on the face
         n, m = ground.table.normal[f], ground.table.normal[g]
-        pair = key(key(np.uint64(run), np.uint64(i)), np.uint64(e))
         for r in range(count):
-            for d in range(4):
-                if points.shape[1] > 0:
-                    sample[d] = (points[d, r] ^ high_bits(key(pair, d))) * BITS_TO_UNIT
-                else:
-                    sample[d] = high_bits(key(key(pair, r), d)) * BITS_TO_UNIT
-            patch_point(ground.table, f, i - ground.first[i], up, sample[0], sample[1], here)
-            patch_point(ground.whole, g, 0, 0.0, sample[2], sample[3], there)  # not lifted: the ray ends on the face
-            q = p * count + r
-            r2 = cosine = other = 0.0
-            for x in range(3):
-                step = there[x] - here[x]
-                origins[q, x] = here[x]
-                directions[q, x] = step
-                r2 += step * step
-                cosine += up * n[x] * step
-                other -= towards * m[x] * step
+            x, y, z = there[r, 0] - here[r, 0], there[r, 1] - here[r, 1], there[r, 2] - here[r, 2]
+            there[r, 0], there[r, 1], there[r, 2] = x, y, z
+            cosine = up * (n[0] * x + n[1] * y + n[2] * z)
+            other = -towards * (m[0] * x + m[1] * y + m[2] * z)
+            r2 = np.float64(x) * x + np.float64(y) * y + np.float64(z) * z
             weight[p, r] = cosine * other / (r2 * r2) if cosine > 0.0 and other > 0.0 else 0.0
+
+
+@numba.njit(nogil=True, cache=True)
+def _samples(pair, points, out):  # type: ignore[no-untyped-def]
+    """Numbers in [0, 1) of a pair, (4, count): the Sobol points shifted by its key, or hashed where there are none."""
+    for d in range(4):
+        shift = high_bits(key(pair, d))
+        for r in range(out.shape[1]):
+            bits = points[d, r] ^ shift if points.shape[1] > 0 else high_bits(key(key(pair, r + 4), d))
+            out[d, r] = bits * BITS_TO_UNIT
 
 
 @numba.njit(nogil=True, cache=True)

@@ -65,7 +65,7 @@ def main() -> None:
     scene = rad.scenes.cornell_box()
     for count in options.patches:
         patches = rad.subdivide(scene, patch_count=count)
-        method = MonteCarlo(options.rays)
+        method = MonteCarlo(options.rays, light_rays=0)
         tracer = Tracer(patches.grid)
         batches = all_rays(patches, tracer, method)
         rays = len(patches) * options.rays / 1e6
