@@ -182,5 +182,5 @@ def element_to_sphere(radius: float, distance: float, angle: float = 0.0) -> flo
     width = math.sqrt((1.0 - sine) * (1.0 + sine))  # cosine of the angular radius
     root = math.sqrt((sine - cosine) * (sine + cosine))
     lens = math.atan2(root, width) - width * root
-    turn = math.acos(max(-1.0, min(1.0, -width * cosine / (sine * math.sin(angle)))))
-    return (lens + sine * sine * cosine * turn) / math.pi
+    turn = math.atan2(root, -width * cosine)
+    return max(0.0, lens + sine * sine * cosine * turn) / math.pi  # a last sliver is less than its rounding

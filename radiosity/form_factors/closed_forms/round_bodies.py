@@ -260,7 +260,8 @@ def cylinder_interior(radius: float, height: float) -> CylinderFactors:
     h = height / (2.0 * radius)
     slant = math.hypot(1.0, h)
     to_base = 0.5 / (slant + h)
-    return CylinderFactors(h * (1.0 - h / (slant + 1.0)), to_base, 4.0 * h * to_base, 1.0 / (slant + h) ** 2)
+    itself = h * (1.0 - h / (slant + 1.0)) if h < 1.0 else 1.0 - 2.0 * to_base  # 1 + h - slant
+    return CylinderFactors(itself, to_base, 4.0 * h * to_base, 1.0 / (slant + h) ** 2)
 
 
 def cone_interior(radius: float, height: float) -> ConeFactors:
