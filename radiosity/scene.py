@@ -1,13 +1,16 @@
 """What a scene is: surfaces with one material each, and the sky outside.
 
 Everything is checked when it is made, so that whoever holds a `Scene` holds a valid one. Arrays are
-read-only; to change a scene, make a new one (`dataclasses.replace` works).
+read-only; to change a scene, make a new one: ``dataclasses.replace(scene, sky=1.0)``,
+``dataclasses.replace(surface, material=…)``, ``material.replace(emission=…)``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +28,12 @@ def _frozen(values: ArrayLike, dtype: Any) -> NDArray[Any]:
     return array
 
 
+def _set(thing: object, **values: Any) -> None:
+    """Fill the fields of a frozen dataclass that is being made."""
+    for name, value in values.items():
+        object.__setattr__(thing, name, value)
+
+
 def _per_channel(values: ArrayLike, what: str) -> FloatArray:
     try:
         array = _frozen(np.atleast_1d(values), np.float64)
@@ -35,7 +44,7 @@ def _per_channel(values: ArrayLike, what: str) -> FloatArray:
     return array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Material:
     """How a surface reflects, absorbs and emits light: diffuse, one number per channel.
 
@@ -74,31 +83,46 @@ class Material:
     'absorptance'
     """
 
-    reflectance: FloatArray = None  # type: ignore[assignment]  # always an array once made
-    absorptance: FloatArray = None  # type: ignore[assignment]
-    emission: FloatArray = 0.0  # type: ignore[assignment]
-    two_sided: bool = False
-    name: str = ""
-    given: str = field(init=False, default="reflectance")
+    reflectance: FloatArray
+    absorptance: FloatArray
+    emission: FloatArray
+    two_sided: bool
+    name: str
+    given: Literal["reflectance", "absorptance"]
 
-    def __post_init__(self) -> None:
-        if (self.reflectance is None) == (self.absorptance is None):
+    def __init__(
+        self,
+        reflectance: ArrayLike | None = None,
+        absorptance: ArrayLike | None = None,
+        emission: ArrayLike = 0.0,
+        two_sided: bool = False,
+        name: str = "",
+    ) -> None:
+        if (reflectance is None) == (absorptance is None):
             raise MaterialError("give either reflectance or absorptance of a material, and not both")
-        given = "absorptance" if self.reflectance is None else "reflectance"
-        value = _per_channel(getattr(self, given), given)
+        given = "absorptance" if reflectance is None else "reflectance"
         derived = "reflectance" if given == "absorptance" else "absorptance"
-        object.__setattr__(self, "given", given)
-        object.__setattr__(self, given, value)
-        object.__setattr__(self, derived, _frozen(1.0 - value, np.float64))
-        emission = _per_channel(self.emission, "emission")
-        channels = max(value.size, emission.size)
-        if {value.size, emission.size} - {1, channels}:
+        value = _per_channel(absorptance if reflectance is None else reflectance, given)  # type: ignore[arg-type]
+        exitance = _per_channel(emission, "emission")
+        channels = max(value.size, exitance.size)
+        if {value.size, exitance.size} - {1, channels}:
             raise MaterialError(
-                f"{given} has {value.size} channels and emission {emission.size}; give as many to both, or one for all"
+                f"{given} has {value.size} channels and emission {exitance.size}; give as many to both, or one for all"
             )
-        if emission.size != channels:
-            emission = _frozen(np.full(channels, emission[0]), np.float64)
-        object.__setattr__(self, "emission", emission)
+        if exitance.size != channels:
+            exitance = _frozen(np.full(channels, exitance[0]), np.float64)
+        _set(self, given=given, two_sided=bool(two_sided), name=name, emission=exitance)
+        _set(self, **{given: value, derived: _frozen(1.0 - value, np.float64)})
+
+    def replace(self, **changes: Any) -> Material:
+        """Make a material like this one but for the parameters named; they are those of `Material`.
+
+        >>> Material(absorptance=1e-12).replace(emission=2.0).absorptance
+        array([1.e-12])
+        """
+        kept = {} if {"reflectance", "absorptance"} & changes.keys() else {self.given: getattr(self, self.given)}
+        rest = {"emission": self.emission, "two_sided": self.two_sided, "name": self.name}
+        return Material(**{**kept, **rest, **changes})
 
     @property
     def channels(self) -> int:
@@ -116,13 +140,30 @@ class Material:
         return found
 
 
+def _mesh(where: str, vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+    """Vertices (V, 3) and faces (M, 3) or (M, 4) as read-only arrays."""
+    try:
+        points, corners = _frozen(vertices, np.float64), np.array(faces)
+    except (TypeError, ValueError) as error:
+        raise GeometryError(f"{where}: vertices and faces must be arrays of numbers: {error}") from error
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise GeometryError(f"{where}: vertices have shape {points.shape}; give (V, 3)")
+    if corners.ndim != 2 or corners.shape[1] not in (3, 4):
+        raise GeometryError(f"{where}: faces have shape {corners.shape}; give (M, 3) triangles or (M, 4) quads")
+    if len(corners) == 0:
+        raise GeometryError(f"{where} has no faces; leave it out of the scene")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise GeometryError(f"{where}: faces are {corners.dtype}; give integer indices into vertices")
+    return points, _frozen(corners, np.int64)
+
+
 def _some(indices: NDArray[Any], limit: int = 5) -> str:
     """The first few of many places, for a message."""
     shown = ", ".join(str(i) for i in indices[:limit])
     return shown + (f" … ({len(indices)} in all)" if len(indices) > limit else "")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Surface:
     """A named part of a scene with one material.
 
@@ -149,30 +190,17 @@ class Surface:
     faces: IntArray
     material: Material
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name:
-            raise SceneError(f"a surface is named {self.name!r}; give it a name, so that messages can speak of it")
-        where = f"surface {self.name!r}"
-        try:
-            vertices = _frozen(self.vertices, np.float64)
-            faces = np.array(self.faces)
-        except (TypeError, ValueError) as error:
-            raise GeometryError(f"{where}: vertices and faces must be arrays of numbers: {error}") from error
-        if vertices.ndim != 2 or vertices.shape[1] != 3:
-            raise GeometryError(f"{where}: vertices have shape {vertices.shape}; give (V, 3)")
-        if faces.ndim != 2 or faces.shape[1] not in (3, 4):
-            raise GeometryError(f"{where}: faces have shape {faces.shape}; give (M, 3) triangles or (M, 4) quads")
-        if faces.shape[0] == 0:
-            raise GeometryError(f"{where} has no faces; leave it out of the scene")
-        if not np.issubdtype(faces.dtype, np.integer):
-            raise GeometryError(f"{where}: faces are {faces.dtype}; give integer indices into vertices")
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "faces", _frozen(faces, np.int64))
+    def __init__(self, name: str, vertices: ArrayLike, faces: ArrayLike, material: Material) -> None:
+        if not isinstance(name, str) or not name:
+            raise SceneError(f"a surface is named {name!r}; give it a name, so that messages can speak of it")
+        where = f"surface {name!r}"
+        points, corners = _mesh(where, vertices, faces)
+        _set(self, name=name, vertices=points, faces=corners, material=material)
         if problems := self._geometry_problems():
             raise GeometryError(f"{where}: " + "; ".join(problems))
-        if not isinstance(self.material, Material):
-            raise MaterialError(f"{where}: material is {self.material!r}; give a Material")
-        if problems := self.material.problems():
+        if not isinstance(material, Material):
+            raise MaterialError(f"{where}: material is {material!r}; give a Material")
+        if problems := material.problems():
             raise MaterialError(f"{where}: " + "; ".join(problems))
 
     def _geometry_problems(self) -> list[str]:
@@ -191,7 +219,7 @@ class Surface:
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Scene:
     """Surfaces and the sky around them.
 
@@ -218,16 +246,17 @@ class Scene:
     """
 
     surfaces: tuple[Surface, ...]
-    sky: FloatArray = 0.0  # type: ignore[assignment]  # always an array once made
-    name: str = "scene"
-    closed: bool | None = None
+    sky: FloatArray
+    name: str
+    closed: bool | None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "surfaces", tuple(self.surfaces))
-        object.__setattr__(self, "sky", _per_channel(self.sky, "sky"))
+    def __init__(
+        self, surfaces: Iterable[Surface], sky: ArrayLike = 0.0, name: str = "scene", closed: bool | None = None
+    ) -> None:
+        _set(self, surfaces=tuple(surfaces), sky=_per_channel(sky, "sky"), name=name, closed=closed)
         self.validate()
         if self.sky.size != self.channels:
-            object.__setattr__(self, "sky", _frozen(np.full(self.channels, self.sky[0]), np.float64))
+            _set(self, sky=_frozen(np.full(self.channels, self.sky[0]), np.float64))
 
     @property
     def channels(self) -> int:
@@ -254,7 +283,7 @@ class Scene:
             raise SceneError(f"scene {self.name!r}: {strangers[0]!r} is not a Surface")
         problems = []
         names = self.surface_names
-        if repeated := sorted({name for name in names if names.count(name) > 1}):
+        if repeated := sorted(name for name, times in Counter(names).items() if times > 1):
             problems.append(f"surfaces share a name: {', '.join(map(repr, repeated))}; rename all but one")
         counts = {s.material.channels for s in self.surfaces} | {self.sky.size}
         if len(counts - {1}) > 1:
