@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 UNITS = ("m", "cm", "mm", "in", "ft")
-METHODS = ("monte-carlo", "hemicube")
+METHODS = {"monte-carlo": "MonteCarlo", "hemicube": "Hemicube", "analytic": "Analytic"}  # words of the API
 SOLVE_OPTIONS = (
     "unit", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed", "resolution",
     "samples", "bounces", "rtol", "threads",
@@ -75,7 +75,7 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     """
     import radiosity as rad
 
-    method = args.method or METHODS[0]
+    method = args.method or "monte-carlo"
     for option, its_method in ONLY_FOR.items():
         if getattr(args, option) is not None and method != its_method:
             word = option.replace("_", "-")
@@ -84,7 +84,7 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     return {
         "patch_count": args.patches,
         "patch_size": args.patch_size,
-        "estimator": rad.Hemicube(**given) if method == "hemicube" else rad.MonteCarlo(**given),
+        "estimator": getattr(rad, METHODS[method])(**given),
         "solver": rad.Neumann() if args.rtol is None else rad.Neumann(rtol=args.rtol),
         "bounces": args.bounces,
         "threads": args.threads,

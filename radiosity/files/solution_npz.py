@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .. import solvers
 from .._version import __version__
 from ..errors import FileFormatError, RadiosityError, RadiosityWarning
-from ..form_factors import Hemicube, MonteCarlo
+from ..form_factors import Analytic, Hemicube, MonteCarlo
 from ..patches import Patches
 from ..result import Result
 from ..scene import Material, Scene, Surface
@@ -47,7 +47,7 @@ PARTS = {
     "patches": ("name", "closed"),
 }
 # What a file may name: nothing else is ever made of it.
-ESTIMATORS = {kind.__name__: kind for kind in (MonteCarlo, Hemicube)}
+ESTIMATORS = {kind.__name__: kind for kind in (MonteCarlo, Hemicube, Analytic)}
 SOLVERS = {name: getattr(solvers, name) for name in solvers.__all__}
 
 

@@ -63,6 +63,7 @@ def test_solve_writes_what_the_api_computes(place, capsys):
     ("words", "estimator", "settings"),
     [
         (["--method", "hemicube", "--resolution", "8"], rad.Hemicube(resolution=8), {}),
+        (["--method", "analytic"], rad.Analytic(), {}),
         (
             ["--rays", "32", "--light-rays", "0", "--sampling", "random", "--replicates", "2"],
             rad.MonteCarlo(rays=32, light_rays=0, sampling="random", replicates=2),

@@ -91,10 +91,11 @@ def assert_same_solution(found, expected):
         {"scene": rad.scenes.cornell_box(spectral=True), "bounces": None},
         {"estimator": rad.Hemicube(resolution=8), "dtype": np.float64},
         {"estimator": rad.MonteCarlo(rays=64, replicates=2, sampling="random")},
+        {"scene": rad.scenes.furnace(), "estimator": rad.Analytic(), "solver": rad.Neumann(rtol=1e-3), "bounces": None},
         {"bounces": None, "solver": rad.Neumann(rtol=1e-2, maxiter=3, tail=True)},
         {"scene": rad.scenes.furnace(reflectance=0.0), "bounces": 3},
     ],
-    ids=["box", "odd", "spectral", "hemicube", "replicates", "tail", "black"],
+    ids=["box", "odd", "spectral", "hemicube", "replicates", "analytic", "tail", "black"],
 )
 def test_written_and_read_it_is_the_same(settings, tmp_path):
     solution = solved(**settings)
