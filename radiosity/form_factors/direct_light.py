@@ -6,10 +6,10 @@ the columns of F that belong to emitters are computed another way,
     F_ij = exact factor, nothing being in between  ×  visibility,        visibility = Σ k_s V_s / Σ k_s,
 
 over shadow rays s between points spread over the patch and over the emitter, each weighted by the kernel
-k = cos θ cos θ' / r² of the light that would go along it, V_s = 1 where nothing is in the way. Where all of the first
-few agree, the patch is in full light or in full shadow, and the factor is exact; many are sent where they do not. The
-rest of the row stays as it was sampled, scaled to close it. Nothing of this depends on how strong the emitters are: F
-stays purely geometric, and right for any other light.
+k = cos θ cos θ' / r² of the light that would go along it, V_s = 1 where nothing is in the way. Where the first
+few agree, and the rays from corner to corner with them, the patch is in full light or in full shadow, and the factor is
+exact; many are sent where they do not. The rest of the row stays as it was sampled, scaled to close it. Nothing of
+this depends on how strong the emitters are: F stays purely geometric, and right for any other light.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
 FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether they agree
+CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
 LARGE = 0.25  # emitters that are more of the area than this are met by enough rays anyway
-COSTLY = 4.0  # first shadow rays per sampling ray, above which emitters are too many to be looked at one by one
+COSTLY = 4.0  # first shadow rays over the larger of the budgets, above which emitters are too many to look at each
 NEGLIGIBLE = 1e-14  # a form factor that is rounding
 
 
@@ -70,8 +71,8 @@ def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitter
     """The emitters whose columns are worth shadow rays, or None.
 
     None where nothing emits; where emitters are more than `LARGE` of all area (a furnace: sampling rays
-    meet them anyway, and a few shadow rays cannot tell their patches apart); and where there are so many that the first
-    shadow rays alone would be more than `COSTLY` times the sampling rays. They count together or not at all.
+    meet them anyway, and a few shadow rays cannot tell their patches apart); and where there are so many that the
+    first shadow rays alone would be more than `COSTLY` times either budget. They count together or not at all.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitter
     if light_rays == 0 or not columns.any() or patches.area[columns].sum() > LARGE * patches.area.sum():
         return None
     face, side = np.unique(np.stack([patches.face, patches.side], axis=1)[columns], axis=0).T
-    if len(face) * first_rays(light_rays) > COSTLY * rays:
+    if len(face) * (first_rays(light_rays) + CORNER_RAYS) > COSTLY * max(rays, light_rays):
         return None
     faces = patches.grid.faces
     forward = np.where(faces.quad[face, None], [0, 1, 2, 3], [0, 1, 2, 2])
@@ -150,27 +151,34 @@ class DirectLight:
         factors = exchange / self.patches.area[begin:end, None]
         row, emitter = np.nonzero(factors > NEGLIGIBLE)
         pairs = np.stack([row + begin, emitter], axis=1)
-        few = first_rays(self.light_rays)
-        met, weight = self._look(pairs, few)
-        undecided = _disagree(met, weight) if few < self.light_rays else np.zeros(len(pairs), dtype=np.bool_)
+        met, weight = self._look(pairs, first_rays(self.light_rays))
+        met_at_corners, weight_at_corners = self._look(pairs, CORNER_RAYS, corners=True)
+        undecided = _disagree(np.hstack([met, met_at_corners]), np.hstack([weight, weight_at_corners]))
         more_met, more_weight = self._look(pairs[undecided], self.light_rays)
         entries = _collect(
             row, factors[row, emitter], undecided, met, weight, more_met, more_weight, end - begin, len(self.patches)
         )
-        return Entries(*entries), met.size + more_met.size
+        return Entries(*entries), met.size + met_at_corners.size + more_met.size
 
-    def _look(self, pairs: IntArray, count: int) -> tuple[NDArray[np.int32], FloatArray]:
+    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> tuple[NDArray[np.int32], FloatArray]:
         """Patch of the emitter met by each of `count` shadow rays of each pair, -1 if something else is; their kernels.
 
-        Both (pairs, count).
+        Both (pairs, count). Between points spread over both polygons, or between their corners.
         """
         origins = np.empty((len(pairs) * count, 3), dtype=np.float32)
         directions = np.empty_like(origins)
         weight = np.empty((len(pairs), count))
-        _shadow_rays(self.ground, pairs, self.points, self.run, origins, directions, weight)
+        points = _corner_points() if corners else self.points
+        _shadow_rays(self.ground, pairs, points, not corners, self.run, origins, directions, weight)
         met = self.tracer.run(origins, directions).reshape(weight.shape)
         _only_emitters(self.ground, pairs, met)
         return met, weight
+
+
+def _corner_points() -> NDArray[np.uint32]:
+    """Every corner of a patch with every corner of an emitter, as fractions of 32 bits (4, CORNER_RAYS)."""
+    bits = np.arange(CORNER_RAYS)[None, :] >> np.arange(4)[:, None] & 1
+    return (bits * 0xFFFFFFFF).astype(np.uint32)
 
 
 class _Ground(NamedTuple):
@@ -186,13 +194,13 @@ class _Ground(NamedTuple):
 
 
 @numba.njit(nogil=True, cache=True)
-def _shadow_rays(ground, pairs, points, run, origins, directions, weight):  # type: ignore[no-untyped-def]
+def _shadow_rays(ground, pairs, points, shifted, run, origins, directions, weight):  # type: ignore[no-untyped-def]
     """Rays from points of patches to points of emitters, and their kernels cos θ cos θ' / r² (0 behind either)."""
     count = weight.shape[1]
     samples = np.empty((4, count))
     for p in range(pairs.shape[0]):
         i, e = pairs[p, 0], pairs[p, 1]
-        _samples(key(key(np.uint64(run), np.uint64(i)), np.uint64(e)), points, samples)
+        _samples(key(key(np.uint64(run), np.uint64(i)), np.uint64(e)), points, shifted, samples)
         f, g = ground.face[i], ground.emitter_face[e]
         up, towards = np.float64(ground.side[i]), np.float64(ground.emitter_side[e])
         here, there = origins[p * count : (p + 1) * count], directions[p * count : (p + 1) * count]
@@ -209,10 +217,10 @@ def _shadow_rays(ground, pairs, points, run, origins, directions, weight):  # ty
 
 
 @numba.njit(nogil=True, cache=True)
-def _samples(pair, points, out):  # type: ignore[no-untyped-def]
-    """Numbers in [0, 1) of a pair, (4, count): the Sobol points shifted by its key, or hashed where there are none."""
+def _samples(pair, points, shifted, out):  # type: ignore[no-untyped-def]
+    """Numbers in [0, 1) of a pair, (4, count): points, shifted by its key or not; hashes where there are none."""
     for d in range(4):
-        shift = high_bits(key(pair, d))
+        shift = high_bits(key(pair, d)) if shifted else np.uint32(0)
         for r in range(out.shape[1]):
             bits = points[d, r] ^ shift if points.shape[1] > 0 else high_bits(key(key(pair, r + 4), d))
             out[d, r] = bits * BITS_TO_UNIT

@@ -111,7 +111,7 @@ def test_cornell_order_by_order():
     """The goal at 4096 rays; the plain estimator misses it by far at order 1."""
     cornell = load("cornell")
     errors = relative_errors(cornell, rad.MonteCarlo(4096), seeds=(0, 1))
-    assert errors[0] < 0.006 and errors[1] < 0.01
+    assert errors[0] < 0.003 and errors[1] < 0.01
     assert (errors[2:] < 0.005).all()
     plain = relative_errors(cornell, rad.MonteCarlo(4096, light_rays=0))
     assert plain[0] > 0.03 and plain[1] > 0.011
@@ -178,9 +178,9 @@ def test_emitters_that_are_large_or_many_are_left_to_the_rays(scene):
             for k in range(20)
         ]
         patches = rad.subdivide(floor_and_lamp(*spots), patch_size=0.2)
-        assert worthwhile_emitters(patches, rays=84, light_rays=256) is not None
-        assert worthwhile_emitters(patches, rays=83, light_rays=256) is None
-    plain, same = (rad.form_factors(patches, rad.MonteCarlo(64, light_rays=n)) for n in (0, 256))
+        assert worthwhile_emitters(patches, rays=105, light_rays=64) is not None  # 21 × (4 + 16) / 4
+        assert worthwhile_emitters(patches, rays=104, light_rays=64) is None
+    plain, same = (rad.form_factors(patches, rad.MonteCarlo(64, light_rays=n)) for n in (0, 64))
     assert (plain.matrix != same.matrix).nnz == 0
     assert same.exact_columns is None
 
@@ -278,12 +278,13 @@ def never_in_doubt(met, weight):  # noqa: ARG001
 
 
 @pytest.mark.parametrize(
-    ("name", "broken", "least"), [("_only_emitters", nothing_hides, 0.05), ("_disagree", never_in_doubt, 0.008)]
+    ("name", "broken", "least"),
+    [("_only_emitters", nothing_hides, 0.05), ("_disagree", never_in_doubt, 0.008), ("CORNER_RAYS", 1, 0.0028)],
 )
 def test_a_broken_kernel_is_noticed(monkeypatch, name, broken, least):
-    """No shadows; half shadows never looked at twice."""
+    """No shadows; half shadows never looked at twice; shadows' edges missed between the first few rays."""
     cornell = load("cornell")
-    assert relative_errors(cornell, rad.MonteCarlo(64), orders=1)[0] < 0.0045
+    assert relative_errors(cornell, rad.MonteCarlo(64), orders=1)[0] < 0.002
     monkeypatch.setattr(direct_light, name, broken)
     assert relative_errors(cornell, rad.MonteCarlo(64), orders=1)[0] > least
 

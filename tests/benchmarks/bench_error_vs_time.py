@@ -1,0 +1,127 @@
+"""Error against time of every estimator, factors and solve together, in one run.
+
+Example: python tests/benchmarks/bench_error_vs_time.py --patches 2000 10000 --reference 65536
+
+The error is the area-weighted relative L2 of B - E over patches and channels, against a converged answer on the same
+patches: the mean of two independent runs of many rays, whose difference gives the error of their mean. Each method
+runs with several budgets; all runs are shuffled and repeated, and seconds are medians, so that a machine that slows
+down slows all of them. Everything is warm: compilers have run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+import radiosity as rad
+
+FloatArray = NDArray[np.float64]
+
+SOLVER_RTOL = 1e-5  # far below every sampling error here
+
+
+class Run(NamedTuple):
+    """A method with one budget."""
+
+    method: str
+    budget: str
+    radiosity: Callable[[], FloatArray]
+
+
+def solved(patches: rad.Patches, estimator: object, threads: int | None) -> FloatArray:
+    """Radiosity (N, C) by form factors and Neumann."""
+    factors = rad.form_factors(patches, estimator, threads=threads)
+    operator = rad.TransportOperator(factors, patches, threads=threads)
+    return rad.Neumann(rtol=SOLVER_RTOL, maxiter=1000).solve(operator, patches.emission, sky=patches.sky).radiosity
+
+
+def runs(patches: rad.Patches, threads: int | None, quick: bool) -> Iterator[Run]:
+    """All methods and budgets."""
+
+    def by_factors(estimator: object) -> Callable[[], FloatArray]:
+        return lambda: solved(patches, estimator, threads)
+
+    def by_walks(paths: int, next_event: bool) -> Callable[[], FloatArray]:
+        tracer = rad.PathTracer(paths, next_event=next_event, bounces=1, tail=True)
+        return lambda: tracer.solve(patches, threads=threads).radiosity
+
+    few = slice(0, 2) if quick else slice(None)
+    budgets = [(256, 256), (1024, 256), (4096, 1024), (16384, 1024)]
+    for rays, light_rays in budgets[few]:
+        yield Run("apart", f"{rays} + {light_rays} rays", by_factors(rad.MonteCarlo(rays, light_rays=light_rays)))
+    for rays in [256, 1024, 4096, 16384][few]:
+        yield Run("plain", f"{rays} rays", by_factors(rad.MonteCarlo(rays, light_rays=0)))
+    for rays in [256, 1024, 4096][few]:
+        yield Run("random", f"{rays} rays", by_factors(rad.MonteCarlo(rays, sampling="random")))
+    for resolution, samples in [(32, 1), (64, 1), (64, 6)][few]:
+        yield Run("hemicube", f"{resolution}², {samples}", by_factors(rad.Hemicube(resolution, samples)))
+    for paths in [16, 64, 256][few]:
+        yield Run("walks, looking", f"{paths} paths", by_walks(paths, next_event=True))
+    for paths in [64, 256][few]:
+        yield Run("walks", f"{paths} paths", by_walks(paths, next_event=False))
+
+
+def reference(patches: rad.Patches, rays: int, threads: int | None) -> tuple[FloatArray, float]:
+    """B - E by two independent runs of half the rays each, and its relative error."""
+    halves = [
+        solved(patches, rad.MonteCarlo(rays // 2, seed, light_rays=8192), threads) - patches.emission
+        for seed in (1001, 1002)
+    ]
+    mean = np.mean(halves, axis=0)
+    return mean, relative_error(patches, halves[0], mean)
+
+
+def relative_error(patches: rad.Patches, found: FloatArray, true: FloatArray) -> float:
+    """Area-weighted relative L2 over patches and channels."""
+    area = patches.area[:, None]
+    return float(np.sqrt((area * (found - true) ** 2).sum() / (area * true**2).sum()))
+
+
+def measure(patches: rad.Patches, true: FloatArray, everything: list[Run], repeats: int) -> None:
+    """Run all, shuffled and repeated, and print a line each."""
+    seconds: dict[Run, list[float]] = {run: [] for run in everything}
+    errors: dict[Run, float] = {}
+    order = everything * repeats
+    random.Random(0).shuffle(order)
+    for run in order:
+        begin = time.perf_counter()
+        radiosity = run.radiosity()
+        seconds[run].append(time.perf_counter() - begin)
+        errors[run] = relative_error(patches, radiosity - patches.emission, true)
+    for run in everything:
+        times = sorted(seconds[run])
+        print(
+            f"{run.method:>15}  {run.budget:>16}  {100 * errors[run]:8.3f} %  {statistics.median(times):8.3f} s  "
+            f"({times[0]:.3f} … {times[-1]:.3f})"
+        )
+
+
+def main() -> None:
+    """Print a table for each number of patches."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", default="cornell_box", help="a built-in scene")
+    parser.add_argument("--patches", type=int, nargs="+", default=[2000, 10_000])
+    parser.add_argument("--reference", type=int, default=1 << 16, help="rays a patch of the converged answer")
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--threads", type=int, default=None)
+    parser.add_argument("--quick", action="store_true", help="the two smallest budgets of each method")
+    options = parser.parse_args()
+    scene = getattr(rad.scenes, options.scene)()
+    for run in runs(rad.subdivide(scene, patch_count=100), options.threads, quick=True):
+        run.radiosity()  # warm: every kernel compiled or loaded
+    for count in options.patches:
+        patches = rad.subdivide(scene, patch_count=count)
+        true, own = reference(patches, options.reference, options.threads)
+        print(f"{options.scene}, {len(patches):,} patches; the reference's own error is {100 * own:.3f} %")
+        measure(patches, true, list(runs(patches, options.threads, options.quick)), options.repeats)
+
+
+if __name__ == "__main__":
+    main()
