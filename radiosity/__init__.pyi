@@ -3,6 +3,7 @@ from . import colour as colour
 from . import errors as errors
 from . import photometry as photometry
 from . import scenes as scenes
+from . import shortcuts as shortcuts
 from . import thermal as thermal
 from ._version import __version__ as __version__
 from .certificate import Certificate as Certificate

@@ -9,7 +9,7 @@ import pytest
 
 import radiosity as rad
 
-SUBMODULES = {"colour", "errors", "photometry", "scenes", "thermal"}
+SUBMODULES = {"colour", "errors", "photometry", "scenes", "shortcuts", "thermal"}
 HEAVY = ("pyvista", "vtk", "vtkmodules", "matplotlib", "dask", "numba", "trimesh", "embreex", "scipy")
 
 

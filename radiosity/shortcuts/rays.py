@@ -132,7 +132,9 @@ class ThroughWalls:
         """All fronts that the rays of a bundle meet; no ray ends on nothing, as none ends at all."""
         origins, directions, patch = bundle
         senders, receivers = [], []
-        while len(origins):
+        for _ in range(len(self.normal) + 1):  # a straight line meets each face once, whatever rounding says
+            if not len(origins):
+                break
             met, points = self.tracer.hits(origins, directions)
             going = met != MISS
             met, points, directions, patch = met[going], points[going], directions[going], patch[going]
