@@ -89,6 +89,14 @@ class Drawing:
         if state.backs or "backs" in self.__dict__:
             self.backs.visibility = state.backs
 
+    def hide(self) -> None:
+        """Leave the pane to something else, until `draw` is called again."""
+        for actor in (self.flat_actor, self.__dict__.get("backs")):
+            if actor is not None:
+                actor.visibility = False
+        if "smooth" in self.__dict__:
+            self.smooth[1].visibility = False
+
     def look(self, camera: Camera) -> None:
         """Put the camera of the pane to a preset."""
         place(self.renderer, camera)

@@ -14,7 +14,13 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import ArrayLike, NDArray
 from vtkmodules.vtkCommonCore import VTK_FONT_FILE
-from vtkmodules.vtkRenderingCore import vtkActor2D, vtkCoordinate, vtkPolyDataMapper2D, vtkTextActor
+from vtkmodules.vtkRenderingCore import (
+    vtkActor2D,
+    vtkCoordinate,
+    vtkPolyDataMapper2D,
+    vtkTextActor,
+    vtkTexturedActor2D,
+)
 
 from .. import display
 
@@ -142,6 +148,45 @@ class Shapes:
         self.actor.SetVisibility(visible)
 
 
+class Raster:
+    """A picture of pixels, as large as fits in the middle of a pane.
+
+    Parameters
+    ----------
+    renderer : pyvista.Renderer
+    margin : float
+        Share of the shorter side that stays free all around.
+    """
+
+    def __init__(self, renderer: pv.Renderer, margin: float = 0.03) -> None:
+        self.renderer, self.margin = renderer, margin
+        place = vtkCoordinate()
+        place.SetCoordinateSystemToNormalizedViewport()
+        self.mesh = pv.PolyData(np.zeros((4, 3)), faces=[4, 0, 1, 2, 3])
+        self.mesh.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float32)
+        mapper = vtkPolyDataMapper2D()
+        mapper.SetInputData(self.mesh)
+        mapper.SetTransformCoordinate(place)
+        self.actor = vtkTexturedActor2D()
+        self.actor.SetMapper(mapper)
+        self.actor.VisibilityOff()
+        renderer.AddViewProp(self.actor)
+
+    def show(self, image: NDArray[np.uint8] | None) -> None:
+        """Show a picture (height, width, 3), or nothing."""
+        self.actor.SetVisibility(image is not None)
+        if image is None:
+            return
+        width, height = self.renderer.GetSize()
+        room = 1.0 - 2.0 * self.margin
+        size = room * min(width / image.shape[1], height / image.shape[0])
+        x, y = (size * image.shape[1] / width / 2, size * image.shape[0] / height / 2)
+        self.mesh.points = np.array([[0.5 + i * x, 0.5 + j * y, 0] for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+        texture = pv.Texture(np.ascontiguousarray(image))
+        texture.SetInterpolate(False)
+        self.actor.SetTexture(texture)
+
+
 class PowerPanel:
     """Power per bounce on a logarithmic axis, with a marker at the bounce that is shown.
 
@@ -163,6 +208,7 @@ class PowerPanel:
             Words(renderer, ((left + right) / 2, bottom - 0.2), 13, colour=FAINT, align="center", words="bounce k"),
         ]
         self.marker = Shapes(renderer, width=2.0)
+        self.patch_curve = Shapes(renderer, width=1.5)
         grid = Shapes(renderer, opacity=0.5)
         levels = range(self.low, self.high + 1, max(1, (self.high - self.low + 3) // 4))
         grid.boxes(
@@ -203,6 +249,15 @@ class PowerPanel:
         x = self._x(order)
         self.marker.boxes([(x - 0.0015, self.box[1], x + 0.0015, self.box[3])], [HERE])
 
+    def show_patch(self, light: NDArray[np.floating[Any]] | None) -> None:
+        """Add the shape of one patch's light by order (K + 1,), lifted to the top of the panel; or take it away."""
+        shown = light is not None and bool((light > 0).sum() > 1)
+        self.patch_curve.show(shown)
+        if light is not None and shown:
+            lifted = light * (10.0**self.high / light.max())
+            orders = np.flatnonzero(lifted >= 10.0**self.low)
+            self.patch_curve.lines([(self._x(k), self._y(lifted[k])) for k in orders], INK)
+
 
 def _decades(power: NDArray[np.float64], most: int = 8) -> tuple[int, int]:
     """Powers of ten around positive values, not more than `most` apart."""
@@ -239,7 +294,7 @@ class ScaleBar:
         self.strip.boxes(boxes, display.false_colour(np.linspace(0.0, 1.0, self.steps), 0.0, 1.0))
         self.words = [Words(renderer, (0.0, 0.0), 12, colour=INK, align="center") for _ in range(8)]
 
-    def update(self, low: float, high: float, visible: bool) -> None:
+    def update(self, low: float, high: float, visible: bool, unit: str = "W/m²") -> None:
         """Show a logarithmic scale, or nothing."""
         self.strip.show(visible)
         left, bottom, right, _ = self.box
@@ -249,4 +304,4 @@ class ScaleBar:
             if i < len(ticks):
                 share = np.log(ticks[i] / low) / np.log(high / low)
                 words.actor.SetPosition(left + (right - left) * share, bottom - 0.14)
-                words.say(f"{ticks[i]:g}" + (" W/m²" if i == len(ticks) - 1 else ""))
+                words.say(f"{ticks[i]:g}" + (f" {unit}" if i == len(ticks) - 1 else ""))

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 Pane = Literal["order", "sum"]
 PANES: tuple[Pane, ...] = ("order", "sum")
+Left = Literal["order", "factors", "hemicube", "matrix"]
+LEFTS: tuple[Left, ...] = ("order", "factors", "hemicube", "matrix")
+OF_A_PATCH = ("factors", "hemicube")  # need a picked patch
 EXPOSURES = (-6.0, 12.0)  # EV that the slider reaches, about the automatic exposure
 EXPOSURE_STEP = 0.5
 ORDERS_WHEN_NONE = 10  # bounces to compute where the solver kept none
@@ -54,6 +57,10 @@ class ViewState:
         Show the black backs of one-sided faces in a signal colour, to check normals.
     preset : int
         Which camera preset, counted up.
+    picked, other : int
+        Picked patch, and the one that its exchange is looked at with; -1 for none.
+    left : {"order", "factors", "hemicube", "matrix"}
+        What the left pane shows: the bounce; the picked patch's form factors; what it sees; the operator T.
     playing, help, projector : bool
         Bounces advance by themselves; the list of keys is open; large type.
     """
@@ -69,6 +76,9 @@ class ViewState:
     wireframe: bool = False
     backs: bool = False
     preset: int = 0
+    picked: int = -1
+    other: int = -1
+    left: Left = "order"
     playing: bool = False
     help: bool = False
     projector: bool = False
@@ -76,6 +86,8 @@ class ViewState:
     def __post_init__(self) -> None:
         if self.tone not in display.TONES:
             raise ParameterError(f"tone {self.tone!r} is unknown; choose from {', '.join(display.TONES)}")
+        if self.left not in LEFTS:
+            raise ParameterError(f"the left pane cannot show {self.left!r}; choose from {', '.join(LEFTS)}")
         object.__setattr__(self, "order", int(np.clip(self.order, 0, self.last)))
         object.__setattr__(self, "exposure", float(np.clip(self.exposure, *EXPOSURES)))
 
@@ -102,6 +114,20 @@ class ViewState:
     def toned(self) -> ViewState:
         """The next tone operator."""
         return replace(self, tone=display.TONES[(display.TONES.index(self.tone) + 1) % len(display.TONES)])
+
+    def pick(self, patch: int) -> ViewState:
+        """The state with a patch picked, or with none."""
+        left = "order" if patch < 0 and self.left in OF_A_PATCH else self.left
+        return replace(self, picked=patch, other=-1, left=left)
+
+    def pick_other(self, patch: int) -> ViewState:
+        """The state with a second patch picked beside the first."""
+        return replace(self, other=patch if patch != self.picked else -1) if self.picked >= 0 else self.pick(patch)
+
+    def next_left(self) -> ViewState:
+        """The next thing to show in the left pane, leaving out what needs a patch if none is picked."""
+        possible = [left for left in LEFTS if self.picked >= 0 or left not in OF_A_PATCH]
+        return replace(self, left=possible[(possible.index(self.left) + 1) % len(possible)])
 
     def toggled(self, switch: str) -> ViewState:
         """The state with one of its switches turned."""
@@ -137,6 +163,7 @@ COMMANDS = (
     Command(("s", "S"), "s", "smooth / flat patches", lambda state: state.toggled("smooth")),
     Command(("w", "W"), "w", "edges of the patches", lambda state: state.toggled("wireframe")),
     Command(("b", "B"), "b", "backs of one-sided faces", lambda state: state.toggled("backs")),
+    Command(("g", "G"), "g", "left: bounce / F of a patch / hemicube / T", lambda state: state.next_left()),
     Command(("c", "C"), "c", "next camera", lambda state: replace(state, preset=state.preset + 1)),
     Command(("p", "P"), "p", "projector: large type", lambda state: state.toggled("projector")),
     Command(("question", "h", "H"), "?", "this list", lambda state: state.toggled("help")),
@@ -293,4 +320,7 @@ def start(series: Series, **settings: Any) -> ViewState:
     known = {name for name in ViewState.__dataclass_fields__ if name != "last"}
     if unknown := sorted(set(settings) - known):
         raise ParameterError(f"the view has no setting {', '.join(unknown)}; it has {', '.join(sorted(known))}")
+    for name in ("picked", "other"):
+        if settings.get(name, -1) >= len(series.area):
+            raise ParameterError(f"{name} is patch {settings[name]}; there are {len(series.area)}")
     return ViewState(last=series.last, **{"order": 1, **settings})

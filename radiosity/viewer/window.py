@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyvista as pv
 
+from .. import display
 from ..camera import Camera, presets
 from . import probe
 from .drawing import Drawing
 from .figures import save_image
+from .inspect import patch_lines
+from .inspector import Inspector
 from .overlay import DESIGN_HEIGHT, FAINT, INK, PowerPanel, ScaleBar, Shapes, Words
 from .state import COMMANDS, EXPOSURES, PANES, Pane, Series, ViewState, caption, formula, in_words, start
 
@@ -139,10 +142,11 @@ class Window:
             heading = Words(self.plotter.renderer, (0.03, 0.5), 27, style="-Oblique")
             words = Words(self.plotter.renderer, (0.97, 0.5), 16, colour=FAINT, align="right")
             self.titles[pane] = (heading, words)
-            self.bars[pane] = ScaleBar(self.plotter.renderer, (0.3, 0.5, 0.62, 0.72))
+            self.bars[pane] = ScaleBar(self.plotter.renderer, (0.2, 0.5, 0.47, 0.72))
             self.plotter.subplot(1, column)
             self.panes[pane] = Drawing(self.plotter, self.solution.patches, pane)
         self.panes["sum"].renderer.camera = self.panes["order"].renderer.camera
+        self.inspector = Inspector(self)
         self._build_dashboard(left)
         self._build_help()
         self._listen()
@@ -175,7 +179,8 @@ class Window:
         self.help_box = Shapes(renderer, opacity=0.9)
         self.help_box.boxes([(0.04, 0.03, 0.96, 0.97)], ["#0d0f12"])
         shown = [(command.shown, command.does) for command in COMMANDS]
-        shown += [("drag", "turn"), ("wheel", "nearer / farther"), ("shift drag", "move"), ("q", "quit")]
+        shown += [("drag", "turn"), ("wheel", "nearer / farther"), ("shift drag", "move")]
+        shown += [("click", "pick a patch"), ("ctrl click", "a second one"), ("q", "quit")]
         self.help_words = [
             Words(renderer, (0.1, 0.92), 17, vertical="top", style="-Bold", words="\n".join(keys for keys, _ in shown)),
             Words(renderer, (0.27, 0.92), 17, vertical="top", words="\n".join(does for _, does in shown)),
@@ -189,6 +194,7 @@ class Window:
         interactor.add_observer("KeyPressEvent", self._pressed)
         interactor.interactor.GetInteractorStyle().AddObserver("CharEvent", lambda *_: None)
         interactor.add_observer("TimerEvent", self._tick)
+        self.inspector.listen(interactor)
         interactor.add_observer("ConfigureEvent", lambda *_: self._scale_words())
 
     # Acting ----------------------------------------------------------------------------------------------------------
@@ -234,24 +240,34 @@ class Window:
     def refresh(self) -> None:
         """Bring everything up to date with the state; the caller renders."""
         for pane, drawing in self.panes.items():
-            drawing.draw(self.series, self.state)
-            heading, words = self.titles[pane]
-            heading.say(formula(self.state.order, pane))
-            words.say(caption(self.series, self.state, pane))
-            self.bars[pane].update(*self.series.scale(self.state, pane), self.state.false_colour)
+            if pane == "sum" or self.state.left == "order":
+                drawing.draw(self.series, self.state)
+                self.say(pane, formula(self.state.order, pane), caption(self.series, self.state, pane))
+                self.bars[pane].update(*self.series.scale(self.state, pane), self.state.false_colour)
+        self.inspector.refresh()
         self.order_slider.GetRepresentation().SetValue(self.state.order)
         self.exposure_slider.GetRepresentation().SetValue(self.state.exposure)
         self.order_words.say(f"bounce  k = {self.state.order}")
         self.exposure_words.say(f"exposure  {self.state.exposure:+.1f} EV".replace("-", "−"))
         self.power.mark(self.state.order)
+        picked = self.state.picked
+        self.power.show_patch(display.luminance(self.series.orders[:, picked]) if picked >= 0 else None)
         self.status.say("\n".join(self.status_lines()))
         self.help_box.show(self.state.help)
         for words in self.help_words:
             words.show(self.state.help)
         self._scale_words()
 
+    def say(self, pane: Pane, heading: str, words: str) -> None:
+        """Put words above a pane."""
+        for place, text in zip(self.titles[pane], (heading, words), strict=True):
+            place.say(text)
+
     def status_lines(self) -> list[str]:
         """What the dashboard says in words."""
+        if self.state.picked >= 0:
+            picked = self.state.picked, self.state.other
+            return patch_lines(self.solution, self.series, self.state.order, *picked, self.inspector.exchange())
         power = self.series.power[self.state.order]
         emitted = float(self.series.power[0].sum()) or 1.0
         total = float(self.series.power[: self.state.order + 1].sum())

@@ -36,7 +36,7 @@ def test_block_sides_take_the_colour_of_the_wall_they_face(solution, orders) -> 
     facing_red = to_red * solution.patches.normal[:, 0]
     red, green = (orders[2][sides & there].sum(axis=0) for there in (facing_red > 0.8, facing_red < -0.8))
     lamp = orders[0].sum(axis=0)
-    assert red[0] / red[1] > 3.0 * lamp[0] / lamp[1]
+    assert red[0] / red[1] > 2.5 * lamp[0] / lamp[1]
     assert green[1] / green[0] > 1.3 * lamp[1] / lamp[0]
 
 

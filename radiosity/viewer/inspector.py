@@ -1,0 +1,164 @@
+"""Picking in the window: the mouse, the marks around picked patches, and what the left pane then shows."""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from ..rays import Tracer
+from ..transport import TransportOperator
+from .inspect import HemicubeView, MatrixView, factor_colours, patch_on_ray
+from .mesh import corner_points
+from .overlay import HERE, Raster
+from .state import picture
+
+if TYPE_CHECKING:
+    from .window import Window
+
+OTHER = "#4fc3f7"
+CLICK = 3  # pixels that the mouse may move between press and release
+LIFT = 1e-3  # of the scene, so that a mark stands before its patch
+
+
+class Inspector:
+    """What a window knows about picked patches.
+
+    Parameters
+    ----------
+    window : Window
+    """
+
+    def __init__(self, window: Window) -> None:
+        self.window = window
+        self.patches = window.solution.patches
+        self.raster = Raster(window.panes["order"].renderer)
+        self.left_marks: list[pv.Actor] = []
+        self.marks = {"picked": self._mark(HERE), "other": self._mark(OTHER)}
+        self._pressed_at = (-1, -1)
+
+    def _mark(self, colour: str) -> pv.PolyData:
+        """An outline in both panes; without points until something is picked."""
+        mesh = pv.PolyData()
+        for pane, drawing in self.window.panes.items():
+            mapper = pv.DataSetMapper(mesh)
+            mapper.scalar_visibility = False
+            prop = pv.Property(lighting=False, color=colour, line_width=4.0)
+            actor = pv.Actor(mapper=mapper, prop=prop)
+            drawing.renderer.add_actor(actor, reset_camera=False, render=False)
+            if pane == "order":
+                self.left_marks.append(actor)
+        return mesh
+
+    @functools.cached_property
+    def tracer(self) -> Tracer:
+        """Rays into the scene, for hemicubes."""
+        return Tracer(self.patches.grid)
+
+    @functools.cached_property
+    def matrix(self) -> MatrixView:
+        """T of the first channel."""
+        operator = TransportOperator(self.window.solution.factors, self.patches)
+        return MatrixView.of(operator.matrix(0), self.patches.surface, self.patches.surface_names)
+
+    @functools.lru_cache(maxsize=8)  # noqa: B019 (lives as long as the window)
+    def hemicube(self, patch: int) -> HemicubeView:
+        """What a patch sees."""
+        return HemicubeView.of(self.patches, patch, tracer=self.tracer)
+
+    def exchange(self) -> tuple[float, float] | None:
+        """Form factors between the two picked patches, there and back, by hemicubes; None if two are not picked."""
+        state, count = self.window.state, len(self.patches)
+        if state.picked < 0 or state.other < 0:
+            return None
+        there, back = self.hemicube(state.picked).row(count), self.hemicube(state.other).row(count)
+        return float(there[state.other]), float(back[state.picked])
+
+    # The mouse -------------------------------------------------------------------------------------------------------
+
+    def listen(self, interactor: Any) -> None:
+        """Take clicks; drags stay with the camera and the sliders."""
+        interactor.add_observer("LeftButtonPressEvent", self._press)
+        interactor.add_observer("LeftButtonReleaseEvent", self._release)
+
+    def _press(self, *_: Any) -> None:
+        self._pressed_at = self.window.plotter.iren.get_event_position()
+
+    def _release(self, *_: Any) -> None:
+        x, y = self.window.plotter.iren.get_event_position()
+        moved = max(abs(x - self._pressed_at[0]), abs(y - self._pressed_at[1]))
+        pane = self._pane_at(x, y)
+        if moved > CLICK or pane is None or (pane == "order" and self.raster.actor.GetVisibility()):
+            return
+        patch = self.patch_at(x, y)
+        state = self.window.state
+        second = self.window.plotter.iren.interactor.GetControlKey()
+        self.window.show(state.pick_other(patch) if second else state.pick(patch))
+
+    def _pane_at(self, x: int, y: int) -> str | None:
+        """Which pane a pixel of the window is in, from the lower left."""
+        for pane, drawing in self.window.panes.items():
+            left, bottom = drawing.renderer.GetOrigin()
+            width, height = drawing.renderer.GetSize()
+            if left <= x < left + width and bottom <= y < bottom + height:
+                return pane
+        return None
+
+    def patch_at(self, x: int, y: int) -> int:
+        """Patch that a pixel of the window shows; -1 for none."""
+        pane = self._pane_at(x, y)
+        if pane is None:
+            return -1
+        renderer = self.window.panes[pane].renderer  # type: ignore[index]
+        ends = []
+        for depth in (0.0, 1.0):
+            renderer.SetDisplayPoint(x + 0.5, y + 0.5, depth)
+            renderer.DisplayToWorld()
+            point = np.array(renderer.GetWorldPoint())
+            ends.append(point[:3] / point[3])
+        return patch_on_ray(self.patches, ends[0], ends[1] - ends[0])
+
+    # Drawing ---------------------------------------------------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """Bring the marks and the left pane up to date with the state."""
+        window, state = self.window, self.window.state
+        self._outline("picked", state.picked)
+        self._outline("other", state.other)
+        image = None
+        if state.left == "factors":
+            self._show_factors(state.picked)
+        elif state.left == "hemicube":
+            image = self.hemicube(state.picked).picture(picture(window.series, state, "sum"))
+            window.say("order", "hemicube", f"what patch {state.picked} sees, bounces 0…{state.order}")
+        elif state.left == "matrix":
+            image = self.matrix.picture(state.picked)
+            words = "; lit up: row receives, column sends" if state.picked >= 0 else ": each row receives"
+            window.say("order", "T = ρ F", f"patches by surface{words}")
+        self.raster.show(image)
+        if image is not None:
+            window.bars["order"].update(1.0, 10.0, False)
+            window.panes["order"].hide()
+        for actor in self.left_marks:
+            actor.visibility = image is None
+
+    def _show_factors(self, patch: int) -> None:
+        """The picked patch's row of F in the left pane."""
+        window = self.window
+        view = self.hemicube(patch)
+        colours, low, high = factor_colours(view.row(len(self.patches)))
+        window.panes["order"].draw(window.series, window.state, colours)
+        window.say("order", "F[i, ·]", f"form factors from patch {patch}, {view.resolution}² hemicube")
+        window.bars["order"].update(low, high, True, "")
+
+    def _outline(self, name: str, patch: int) -> None:
+        points: NDArray[np.float64] = np.zeros((0, 3))
+        if patch >= 0:
+            size = float(np.ptp(self.patches.vertices, axis=0).max())
+            points = corner_points(self.patches)[patch] + LIFT * size * self.patches.normal[patch]
+        count = len(points)
+        lines = [count + 1, *range(count), 0] if count else []
+        self.marks[name].copy_from(pv.PolyData(points, lines=lines) if count else pv.PolyData())
