@@ -255,8 +255,7 @@ def exchange_rows(
     """
     work = new_scratch()
     for i in range(begin, end):
-        if columns == SAME:
-            out[i, 0] = exchange(a[i], a_frames[i], b[i], b_frames[i], work)
-            continue
-        for j in range(i + 1 if columns == LATER else 0, len(b)):
-            out[i, j] = exchange(a[i], a_frames[i], b[j], b_frames[j], work)
+        first = 0 if columns == ALL else (i if columns == SAME else i + 1)
+        last = i + 1 if columns == SAME else len(b)
+        for j in range(first, last):
+            out[i, 0 if columns == SAME else j] = exchange(a[i], a_frames[i], b[j], b_frames[j], work)
