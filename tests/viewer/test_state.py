@@ -20,6 +20,7 @@ def test_series_holds_the_solution(solution: rad.Solution, series: Series) -> No
     assert series.orders.dtype == np.float32
     np.testing.assert_allclose(series.orders, solution.orders, rtol=1e-6)
     np.testing.assert_allclose(series.sums[-1], solution.radiosity, rtol=1e-5)
+    np.testing.assert_allclose(series.sums[2], solution.orders[0] + solution.orders[1] + solution.orders[2], rtol=1e-6)
     np.testing.assert_allclose(series.power, solution.power, rtol=1e-12)
 
 
