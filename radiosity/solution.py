@@ -27,7 +27,7 @@ from .transport import TransportOperator
 
 FloatArray = NDArray[np.float64]
 
-DATA, PAGES, PICTURES = (".npz", ".vtp"), (".html",), (".png",)
+DATA, PAGES, PICTURES = (".npz", ".vtp"), (".html", ".glb"), (".png", ".gif", ".mp4")
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,9 +210,10 @@ class Solution:
         ----------
         path : path
             `.npz`: everything, for `rad.read_solution`. `.vtp`: all orders on the patches, for ParaView and others.
-            `.html`: a page with all bounces, for any browser. `.png`: a picture.
+            `.html`: a page with all bounces, for any browser. `.glb`: the light as colours of the patches, for 3D
+            programs. `.png`: a picture. `.gif`, `.mp4`: a film of the bounces.
         **settings
-            Of a page: see `radiosity.viewer.page.write_page`. Of a picture: `radiosity.viewer.figures.save_picture`.
+            Of what is looked at: see `radiosity.viewer.exports.export`.
 
         Raises
         ------
@@ -221,7 +222,9 @@ class Solution:
         MissingFileError
             The folder is not there.
         DisplayError
-            A picture, on a machine that cannot draw.
+            A picture or film, on a machine that cannot draw.
+        MissingDependencyError
+            `.mp4` without the optional group `video`.
         """
         file = Path(path)
         suffix = file.suffix.lower()
@@ -236,15 +239,10 @@ class Solution:
         if suffix in DATA:
             write_solution(self, file)
             return
+        from .viewer.exports import export
+
         with replacing(file) as temporary:
-            if suffix in PAGES:
-                from .viewer.page import write_page
-
-                write_page(self, temporary, **settings)
-            else:
-                from .viewer.figures import save_picture
-
-                save_picture(self, temporary, **settings)
+            export(self, temporary, **settings)
 
     def show(self, **settings: Any) -> None:
         """Open the viewer; returns when its window is closed. See `radiosity.viewer.view` for the settings.
