@@ -48,7 +48,9 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--rays", type=count, metavar="R", help="rays a patch, for monte-carlo (default: 256)")
     group.add_argument("--light-rays", type=natural, metavar="R", help="shadow rays between a patch and a lamp's face")
     group.add_argument("--sampling", choices=("sobol", "random"), help="of rays (default: sobol)")
-    group.add_argument("--replicates", type=count, metavar="N", help="independent estimates, for standard errors")
+    group.add_argument(
+        "--replicates", type=count, metavar="N", help="independent estimates, for standard errors (default: 2)"
+    )
     group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers, for monte-carlo (default: 0)")
     group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
     group.add_argument("--samples", type=count, metavar="N", help="points a patch, for hemicube (default: 1)")
@@ -75,12 +77,16 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     """
     import radiosity as rad
 
+    from ..solve import RAYS, REPLICATES
+
     method = args.method or "monte-carlo"
     for option, its_method in ONLY_FOR.items():
         if getattr(args, option) is not None and method != its_method:
             word = option.replace("_", "-")
             raise rad.errors.ParameterError(f"--{word} is for --method {its_method}, not for {method}; leave it out")
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
+    if method == "monte-carlo" and given.get("rays", RAYS) % REPLICATES == 0:
+        given.setdefault("replicates", REPLICATES)  # as `rad.solve` does, for the certificate's sake
     return {
         "patch_count": args.patches,
         "patch_size": args.patch_size,

@@ -42,7 +42,7 @@ def test_solve_writes_what_the_api_computes(place, capsys):
     assert main(["solve", "cornell_box", *SMALL, "--seed", "5", "--bounces", "3", "-o", "a.npz", "-o", "a.vtp"]) == 0
 
     solution = rad.solve(
-        rad.scenes.cornell_box(), patch_count=100, estimator=rad.MonteCarlo(rays=64, seed=5), bounces=3
+        rad.scenes.cornell_box(), patch_count=100, estimator=rad.MonteCarlo(rays=64, seed=5, replicates=2), bounces=3
     )
     found = rad.read_solution("a.npz")
     assert found.orders.tobytes() == solution.orders.tobytes()
@@ -69,8 +69,8 @@ def test_solve_writes_what_the_api_computes(place, capsys):
             rad.MonteCarlo(rays=32, light_rays=0, sampling="random", replicates=2),
             {},
         ),
-        (["--rays", "32", "--rtol", "1e-2"], rad.MonteCarlo(rays=32), {"solver": rad.Neumann(rtol=1e-2)}),
-        (["--rays", "32", "--patch-size", "0.5"], rad.MonteCarlo(rays=32), {"patch_count": None, "patch_size": 0.5}),
+        (["--rays", "32", "--rtol", "1e-2"], rad.MonteCarlo(rays=32, replicates=2), {"solver": rad.Neumann(rtol=1e-2)}),
+        (["--rays", "32", "--patch-size", "0.5"], rad.MonteCarlo(rays=32, replicates=2), {"patch_count": None, "patch_size": 0.5}),
     ],
 )
 def test_options_are_the_parameters_of_the_api(words, estimator, settings):
