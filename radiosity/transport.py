@@ -23,8 +23,7 @@ from scipy.sparse.linalg import LinearOperator
 from .errors import FormFactorError, MaterialError, SolverError
 from .form_factors.factors import FormFactors, check_matrix, check_shares
 from .form_factors.on_demand import RowsOnDemand
-from .parallel import ordered_map
-from .sparse import row_blocks
+from .sparse import csr_differences
 
 FloatArray = NDArray[np.float64]
 
@@ -152,7 +151,9 @@ class TransportOperator:
         ndarray of float64, same shape
         """
         light = self.check_light(light)
-        return _like(self.reflectance, light) * self.factors.gather(light, self.threads)
+        gathered = self.factors.gather(light, self.threads)
+        gathered *= _like(self.reflectance, light)
+        return gathered
 
     def from_sky(self, sky: ArrayLike) -> FloatArray:
         """Sky light after its first reflection, ρ π to_sky L_sky, W/m², (N, C) or (N, C, S).
@@ -214,7 +215,9 @@ class TransportOperator:
 
     def net_exchange(self, light: FloatArray, beside: FloatArray | None = None) -> FloatArray:
         """Σ_j F_ij [(X_i - X_j) + Y_j] for X = `light` and Y = `beside` (0 if not given), same shape."""
-        return net_exchange(self.factors, light, beside, self.threads)
+        if isinstance(self.factors, RowsOnDemand):
+            return self.factors.net_exchange(light, beside)
+        return csr_differences(self.factors.matrix, light, beside, self.threads)
 
     def norm(self, light: FloatArray) -> FloatArray:
         """Area-weighted root mean square over the patches, per column: (C,) for (N, C)."""
@@ -222,7 +225,7 @@ class TransportOperator:
 
     def power(self, light: FloatArray) -> FloatArray:
         """Σ area × light, W, per column: (C,) for (N, C). The order of the sum is fixed."""
-        return np.sum(_like(self.area, light) * light, axis=0)
+        return _weighted_sums(np.ascontiguousarray(light.reshape(len(light), -1)), self.area).reshape(light.shape[1:])
 
     def check_light(self, light: ArrayLike) -> FloatArray:
         """Light as float64 if its shape fits the operator.
@@ -333,54 +336,45 @@ def _to_outside(factors: FormFactors | RowsOnDemand) -> FloatArray:
 
 def area_norm(light: FloatArray, area: FloatArray) -> FloatArray:
     """Area-weighted root mean square over patches, per column; scaled so that squares cannot overflow."""
-    largest = np.max(np.abs(light), axis=0, initial=0.0)
-    scale = np.where(largest > 0, largest, 1.0)
-    squares = (light / scale) ** 2
-    return scale * np.sqrt(np.sum(_like(area, light) * squares, axis=0) / np.sum(area))
+    return norm_by_group(light, area, np.zeros(len(area), dtype=np.int64), 1)[0]
 
 
-def net_exchange(
-    factors: FormFactors | RowsOnDemand, light: FloatArray, beside: FloatArray | None = None, threads: int | None = None
-) -> FloatArray:
-    """Σ_j F_ij [(X_i - X_j) + Y_j] with float64 sums from left to right.
-
-    Parameters
-    ----------
-    factors : FormFactors or RowsOnDemand
-    light : ndarray (N, …)
-        X.
-    beside : ndarray (N, …), optional
-        Y, zero if not given.
-    threads : int, optional
-
-    Returns
-    -------
-    ndarray (N, …)
-    """
-    if isinstance(factors, RowsOnDemand):
-        return factors.net_exchange(light, beside)
-    matrix = factors.matrix
-    x = np.ascontiguousarray(light.reshape(len(light), -1), dtype=np.float64)
-    y = x if beside is None else np.ascontiguousarray(beside.reshape(len(light), -1), dtype=np.float64)
-    out = np.zeros_like(x)
-
-    def rows(block: tuple[int, int]) -> None:
-        _exchange_rows(matrix.indptr, matrix.indices, matrix.data, x, y, beside is not None, *block, out)
-
-    for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
-        pass
-    return out.reshape(light.shape)
+def norm_by_group(light: FloatArray, area: FloatArray, group: NDArray[np.int64], groups: int) -> FloatArray:
+    """`area_norm` of each group of patches by itself, (groups, …) for (N, …)."""
+    flat = np.ascontiguousarray(light.reshape(len(light), -1))
+    return _norms(flat, area, group, groups).reshape(groups, *light.shape[1:])
 
 
 @numba.njit(nogil=True, cache=True)
-def _exchange_rows(indptr, indices, weights, x, y, with_y, begin, end, out):  # type: ignore[no-untyped-def]
-    width = x.shape[1]
-    for i in range(begin, end):
-        for p in range(indptr[i], indptr[i + 1]):
-            j = indices[p]
-            w = np.float64(weights[p])
-            for c in range(width):
-                difference = x[i, c] - x[j, c]
-                if with_y:
-                    difference += y[j, c]
-                out[i, c] += w * difference
+def _norms(light, area, group, groups):  # type: ignore[no-untyped-def]
+    count, width = light.shape
+    largest = np.zeros((groups, width))
+    total, weight = np.zeros((groups, width)), np.zeros(groups)
+    for i in range(count):
+        for c in range(width):
+            if abs(light[i, c]) > largest[group[i], c]:
+                largest[group[i], c] = abs(light[i, c])
+    inverse = np.ones((groups, width))
+    for m in range(groups):
+        for c in range(width):
+            if largest[m, c] > 1e100 or 0.0 < largest[m, c] < 1e-100:
+                inverse[m, c] = 1.0 / max(largest[m, c], 1e-300)
+    for i in range(count):
+        weight[group[i]] += area[i]
+        for c in range(width):
+            share = light[i, c] * inverse[group[i], c]
+            total[group[i], c] += area[i] * share * share
+    for m in range(groups):
+        for c in range(width):
+            total[m, c] = np.sqrt(total[m, c] / weight[m]) / inverse[m, c]
+    return total
+
+
+@numba.njit(nogil=True, cache=True)
+def _weighted_sums(light, area):  # type: ignore[no-untyped-def]
+    """Σ area × light per column, in the order of the patches."""
+    total = np.zeros(light.shape[1])
+    for i in range(light.shape[0]):
+        for c in range(light.shape[1]):
+            total[c] += area[i] * light[i, c]
+    return total

@@ -94,7 +94,7 @@ class RowsOnDemand:
         return out.reshape(light.shape)
 
     def net_exchange(self, light: FloatArray, beside: FloatArray | None = None) -> FloatArray:
-        """Σ_j F_ij [(X_i - X_j) + Y_j], see `radiosity.transport.net_exchange`."""
+        """Σ_j F_ij [(X_i - X_j) + Y_j], see `TransportOperator.net_exchange`."""
         flat = light.reshape(len(self), -1)
         added = np.zeros_like(flat) if beside is None else beside.reshape(flat.shape)
         out = np.empty_like(flat, dtype=np.float64)

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SolverError
 from ..result import Result, Step
-from ..transport import TransportOperator, area_norm
+from ..transport import TransportOperator, norm_by_group
 from .admission import check_overflow, check_steady, connected_components
 
 FloatArray = NDArray[np.float64]
+
+COARSE = 1e-3  # of the source: no solution here is so bright that its rounding leaves a larger residual
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +34,8 @@ class Problem:
     label : ndarray (N,)
         Enclosure of each patch. The stopping rule holds in each of them, so that a lamp of 1e30 W does not
         hide one of 1e-30 W next door.
-    tolerance : ndarray (enclosures, C) or (enclosures, C, S)
-        max(rtol ‖source‖, atol) in each enclosure.
+    size, tolerance : ndarray (enclosures, C) or (enclosures, C, S)
+        ‖source‖ and max(rtol ‖source‖, atol) in each enclosure.
     statistics : dict
         Counters that the solver fills.
     scratch : dict
@@ -45,6 +47,7 @@ class Problem:
     source: FloatArray
     start: FloatArray | None
     label: NDArray[np.int64]
+    size: FloatArray
     tolerance: FloatArray
     statistics: dict[str, Any] = field(default_factory=dict)
     scratch: dict[str, Any] = field(default_factory=dict)
@@ -63,40 +66,34 @@ class Problem:
         """Add to a counter."""
         self.statistics[what] = self.statistics.get(what, 0) + more
 
+    def measure(self, field: FloatArray) -> FloatArray:
+        """Area-weighted root mean square in each enclosure, (enclosures, …)."""
+        return norm_by_group(field, self.T.area, self.label, len(self.tolerance))
+
     def reached(self, residual: FloatArray, light: FloatArray | None = None) -> bool:
-        """Whether a residual field meets the tolerance in each enclosure.
+        """Whether a residual, measured, meets the tolerance in each enclosure.
 
         With `light` (the solution so far), a residual within the rounding of that light counts as reached too:
         no float64 radiosity has a smaller one.
         """
-        size = norm_by_enclosure(residual, self.T.area, self.label)
-        if np.all(size <= self.tolerance):
+        if np.all(residual <= self.tolerance):
             return True
-        if light is None:
+        if light is None or np.any(residual > COARSE * self.size):
             return False
-        rounding = np.finfo(np.float64).eps * norm_by_enclosure(light, self.T.area, self.label)
-        return bool(np.all(size <= np.maximum(self.tolerance, rounding)))
+        rounding = np.finfo(np.float64).eps * self.measure(light)
+        return bool(np.all(residual <= np.maximum(self.tolerance, rounding)))
 
     def step(
         self, order: int, term: FloatArray, light: FloatArray, residual: FloatArray, unshot: FloatArray | None = None
     ) -> Step:
-        """A `Step`, with the residual given as a field."""
-        return Step(order, term, light, self.T.norm(residual), self.T.power(term), unshot)
-
-
-def norm_by_enclosure(light: FloatArray, area: FloatArray, label: NDArray[np.int64]) -> FloatArray:
-    """Area-weighted root mean square in each enclosure, (enclosures, …)."""
-    enclosures = int(label.max(initial=0)) + 1
-    if enclosures == 1:
-        return area_norm(light, area)[None]
-    flat = np.abs(light.reshape(len(light), -1))
-    largest = np.zeros((enclosures, flat.shape[1]))
-    np.maximum.at(largest, label, flat)
-    scale = np.where(largest > 0, largest, 1.0)
-    squares = (flat / scale[label]) ** 2
-    sums = np.stack([np.bincount(label, area * column, enclosures) for column in squares.T], axis=1)
-    mean = sums / np.bincount(label, area, enclosures)[:, None]
-    return (scale * np.sqrt(mean)).reshape(enclosures, *light.shape[1:])
+        """A `Step`, with its residual as measured in each enclosure."""
+        if len(residual) == 1:
+            whole = residual[0]
+        else:
+            share = np.bincount(self.label, self.T.area) / np.sum(self.T.area)
+            largest = np.maximum(residual.max(axis=0), np.finfo(np.float64).tiny)
+            whole = largest * np.sqrt(np.tensordot(share, (residual / largest) ** 2, axes=1))
+        return Step(order, term, light, whole, self.T.power(term), unshot)
 
 
 @dataclass(frozen=True)
@@ -197,9 +194,10 @@ class Solver:
         notes = check_steady(T, source)
         check_overflow(T, source)
         label = connected_components(T.factors)
-        tolerance = np.maximum(self.rtol * norm_by_enclosure(source, T.area, label), self.atol)
+        size = norm_by_group(source, T.area, label, int(label.max(initial=0)) + 1)
+        tolerance = np.maximum(self.rtol * size, self.atol)
         start = None if x0 is None else T.check_light(x0).reshape(given.shape)
-        return Problem(T, given, source, start, label, tolerance, {"solver/notes": notes} if notes else {})
+        return Problem(T, given, source, start, label, size, tolerance, {"solver/notes": notes} if notes else {})
 
     def steps(self, problem: Problem) -> Iterator[Step]:
         """The method itself."""

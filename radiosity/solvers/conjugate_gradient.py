@@ -77,10 +77,11 @@ class ConjugateGradient(Solver):
         while True:
             residual = system.balance_rooms()
             light = system.radiosity()
-            yield problem.step(order, light - before, light, residual)
-            problem.scratch["converged"] = problem.reached(residual)
-            size = float(np.max(np.abs(residual / system.scale_of(residual)), initial=0.0))
-            least, stands = (size, 0) if size < 0.9 * least else (least, stands + 1)
+            size = problem.measure(residual)
+            yield problem.step(order, light - before, light, size)
+            problem.scratch["converged"] = problem.reached(size)
+            worst = float(np.max(np.abs(residual / system.scale_of(residual)), initial=0.0))
+            least, stands = (worst, 0) if worst < 0.9 * least else (least, stands + 1)
             if problem.scratch["converged"] or order >= self.maxiter or stands >= PATIENCE:
                 return
             before = light

@@ -62,9 +62,9 @@ class Direct(Solver):
             system = eliminate(bounce, row_excess(T)[:, c])
             problem.count("solver/eliminations")
             light[:, channels] = system.solve(problem.source[:, channels])
-        residual = problem.residual(light)
-        rounding = 1e-15 * np.sqrt(T.shape[0]) * np.abs(light).max(initial=0.0)
-        problem.scratch["converged"] = problem.reached(residual) or bool(np.abs(residual).max(initial=0.0) <= rounding)
+        residual = problem.measure(problem.residual(light))
+        rounding = 1e-15 * np.sqrt(T.shape[0]) * problem.measure(light)
+        problem.scratch["converged"] = bool(np.all(residual <= np.maximum(problem.tolerance, rounding)))
         yield problem.step(1, light, light, residual)
 
 

@@ -45,7 +45,7 @@ class GaussSeidel(Solver):
         source = problem.source.reshape(len(light), -1)
         before = np.zeros_like(light)
         for order in range(self.maxiter + 1):
-            residual = problem.residual(light)
+            residual = problem.measure(problem.residual(light))
             done = problem.reached(residual, light)
             yield problem.step(order, light - before, light, residual)
             if done:

@@ -73,8 +73,9 @@ class Neumann(Solver):
             following = problem.product(term)
             if order == 0:
                 following = following + first
-            done = problem.reached(following, light)
-            yield problem.step(order, term, light, following)
+            residual = problem.measure(following)
+            done = problem.reached(residual, light)
+            yield problem.step(order, term, light, residual)
             if done:
                 problem.scratch["converged"] = True
                 return
