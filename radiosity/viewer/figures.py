@@ -22,6 +22,8 @@ from ..transport import TransportOperator
 from . import probe
 from .drawing import Drawing
 from .inspect import MatrixView
+from .overlay import CHANNEL_COLOURS, FAINT, HERE, INK
+from .overlay import PANEL as PAPER
 from .state import PANES, Pane, Series, ViewState, caption, in_words, mathtext, start
 
 if TYPE_CHECKING:
@@ -30,14 +32,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-INK = "#e8eaed"
-FAINT = "#9aa3ae"
-PAPER = "#15181d"
-HERE = "#ff7043"
-CHANNEL_COLOURS = ("#e4572e", "#5fb346", "#5b8def")
 CHANNEL_MARKS = ("o", "s", "^")
 CHANNEL_NAMES = ("red", "green", "blue")
-MOST_COLUMNS = 11
+MOST_COLUMNS = 7
 SHEET_PANE = 300  # pixels
 
 
@@ -79,8 +76,8 @@ class Stage:
         self.close()
 
 
-def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[int] | None = None) -> list[Path]:
-    """Write the pictures of a solution: contact sheet, power per bounce, the sum, and single orders.
+def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[int] = ()) -> list[Path]:
+    """Write the pictures of a solution: contact sheet, power per bounce, all its light, and single orders if asked.
 
     Parameters
     ----------
@@ -88,7 +85,7 @@ def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[i
     folder : path
         Made if it is not there.
     orders : sequence of int, optional
-        Which orders get a picture of their own; by default those of the contact sheet.
+        Which orders get a picture of their own, beside those on the contact sheet.
 
     Returns
     -------
@@ -103,15 +100,14 @@ def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[i
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     series = Series.of(solution)
-    shown = columns(series.last) if orders is None else list(orders)
     written = [folder / "orders.png", folder / "power.png", folder / "sum.png"]
     last = start(series, order=series.last)
     with Stage(solution.patches, (2 * SHEET_PANE, 2 * SHEET_PANE)) as stage:
         save_image(written[2], stage.image(series, last, "sum"))
-        for k in shown:
+        for k in orders:
             written.append(folder / f"order_{k}.png")
             save_image(written[-1], stage.image(series, last.at(k), "order"))
-        sheet = _sheet(solution, series, shown, last, stage)
+        sheet = _sheet(solution, series, columns(series.last), last, stage)
     save_figure(sheet, written[0])
     save_figure(power_plot(series), written[1])
     return written
@@ -157,11 +153,11 @@ def columns(last: int) -> list[int]:
     """Which orders a contact sheet shows: all, or the first ones and then ever wider steps up to the last.
 
     >>> columns(3), columns(40)
-    ([0, 1, 2, 3], [0, 1, 2, 3, 4, 6, 9, 13, 19, 27, 40])
+    ([0, 1, 2, 3], [0, 1, 2, 3, 5, 14, 40])
     """
     if last < MOST_COLUMNS:
         return list(range(last + 1))
-    wide = np.geomspace(4.0, last, MOST_COLUMNS - 4)
+    wide = np.geomspace(5.0, last, MOST_COLUMNS - 4)
     return [0, 1, 2, 3, *sorted({round(k) for k in wide})]
 
 
@@ -226,10 +222,16 @@ def _sheet(solution: Solution, series: Series, shown: Sequence[int], state: View
     return sheet.figure
 
 
+_STEPS = 1 << 14  # of light between 0 and 1: finer than the darkest byte, a thousand times faster than a power
+_LIGHT_OF_BYTE = np.rint(display.decode_srgb(np.arange(256, dtype=np.uint8)) * _STEPS).astype(np.int32)
+_BYTE_OF_LIGHT = display.encode_srgb(np.arange(_STEPS + 1) / _STEPS)
+
+
 def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """A picture at half its size, each pixel the mean light of four."""
-    light = display.decode_srgb(image)
-    return display.encode_srgb(0.25 * (light[::2, ::2] + light[1::2, ::2] + light[::2, 1::2] + light[1::2, 1::2]))
+    light = _LIGHT_OF_BYTE[image]
+    mean = light[::2, ::2] + light[1::2, ::2] + light[::2, 1::2] + light[1::2, 1::2]  # of four in units of ¼ / STEPS
+    return _BYTE_OF_LIGHT[(mean + 2) >> 2]
 
 
 class _Sheet:
