@@ -26,6 +26,8 @@ MIDDLE = 0.3  # what the exposure makes of the reference level: light enough to 
 CLIPPED_COLOUR = (255, 0, 255)  # magenta: no wall has it
 LIT = 1e-6  # a patch with less than this share of the brightest one counts as unlit
 
+DIVERGING = ((33, 102, 214), (216, 216, 216), (230, 97, 1))
+
 # Seventeen evenly spaced colours of viridis (van der Walt and Smith 2015, CC0): its lightness rises evenly, also for
 # readers who do not tell red from green and on a grey printer.
 FALSE_COLOURS = np.array(
@@ -231,6 +233,29 @@ def false_colour(values: FloatArray, low: float, high: float, *, logarithmic: bo
     place = np.clip((numbers - low) / (high - low), 0.0, 1.0) * (len(FALSE_COLOURS) - 1)
     stops = np.arange(len(FALSE_COLOURS))
     channels = [np.interp(place, stops, FALSE_COLOURS[:, c]) for c in range(3)]
+    return (np.stack(channels, axis=-1) + 0.5).astype(np.uint8)
+
+
+def diverging_colours(values: FloatArray, limit: float) -> ByteArray:
+    """Colours of numbers on both sides of zero: blue below, grey at zero, orange above, full at ± `limit`.
+
+    Blue and orange differ for every kind of colour vision.
+
+    Parameters
+    ----------
+    values : ndarray (…)
+    limit : float
+        Positive.
+
+    Returns
+    -------
+    ndarray of uint8 (…, 3)
+
+    >>> diverging_colours(np.array([-2.0, 0.0, 1.0]), 1.0).tolist()
+    [[33, 102, 214], [216, 216, 216], [230, 97, 1]]
+    """
+    share = np.clip(np.asarray(values, dtype=np.float64) / limit, -1.0, 1.0)
+    channels = [np.interp(share, [-1.0, 0.0, 1.0], stops) for stops in zip(*DIVERGING, strict=True)]
     return (np.stack(channels, axis=-1) + 0.5).astype(np.uint8)
 
 

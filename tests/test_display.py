@@ -143,3 +143,10 @@ def test_ticks_are_round_and_inside(lengths: float, length: float) -> None:
 @given(st.floats(1e-12, 1e12))
 def test_rounding_up_never_loses_and_never_more_than_doubles_and_a_half(value: float) -> None:
     assert value * (1 - 1e-8) <= display.round_up(value) <= 2.5 * value * (1 + 1e-8)
+
+
+def test_diverging_colours_tell_the_sides_apart() -> None:
+    codes = display.diverging_colours(np.linspace(-2, 2, 41), 2.0).astype(int)
+    assert np.all(np.diff(codes[:21, 0]) > 0)  # from blue
+    assert np.all(np.diff(codes[20:, 2]) < 0)  # to orange
+    assert np.ptp(codes[20]) == 0

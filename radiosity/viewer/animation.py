@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from ..errors import MissingDependencyError
-from .figures import FAINT, INK, PAPER, Stage
-from .overlay import font
+from .figures import Stage
+from .overlay import FAINT, INK, PANEL, font
 from .state import PANES, Series, ViewState, caption, formula, in_words, start
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _frame(series: Series, state: ViewState, images: list[NDArray[np.uint8]]) ->
     """Both panes with their titles above and what is seen below."""
     size = images[0].shape[0]
     width, height = (side + -side % BLOCK for side in (2 * size + 3 * GAP, size + HEAD + FOOT))
-    paper = Image.new("RGB", (width, height), PAPER)
+    paper = Image.new("RGB", (width, height), PANEL)
     pen = ImageDraw.Draw(paper)
     large, small = ImageFont.truetype(font("-Oblique"), 26), ImageFont.truetype(font(), 15)
     for number, (pane, image) in enumerate(zip(PANES, images, strict=True)):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..rays import Tracer
 from ..transport import TransportOperator
+from .compare import Compare
 from .inspect import HemicubeView, MatrixView, factor_colours, patch_on_ray
 from .mesh import corner_points
 from .overlay import HERE, Raster
@@ -36,6 +37,7 @@ class Inspector:
         self.window = window
         self.patches = window.solution.patches
         self.raster = Raster(window.panes["order"].renderer)
+        self.compare = Compare(window)
         self.left_marks: list[pv.Actor] = []
         self.marks = {"picked": self._mark(HERE), "other": self._mark(OTHER)}
         self._pressed_at = (-1, -1)
@@ -138,6 +140,7 @@ class Inspector:
             image = self.matrix.picture(state.picked)
             words = "; lit up: row receives, column sends" if state.picked >= 0 else ": each row receives"
             window.say("order", "T = ρ F", f"patches by surface{words}")
+        self.compare.refresh()
         self.raster.show(image)
         if image is not None:
             window.bars["order"].update(1.0, 10.0, False)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .state import Series
 
 DESIGN_HEIGHT = 900.0  # window height, in pixels, that font sizes are given for
+PANEL = "#15181d"
 INK = "#e8eaed"
 FAINT = "#9aa3ae"
 HERE = "#ff7043"
@@ -73,7 +74,7 @@ class Words:
         prop = self.property = self.actor.GetTextProperty()
         prop.SetFontFamily(VTK_FONT_FILE)
         prop.SetFontFile(font(style))
-        prop.SetColor(*pv.Color(colour).float_rgb)
+        self.colour(colour)
         prop.SetJustificationToLeft()
         if align != "left":
             (prop.SetJustificationToCentered if align == "center" else prop.SetJustificationToRight)()
@@ -88,6 +89,10 @@ class Words:
     def say(self, words: str) -> None:
         """Show other words."""
         self.actor.SetInput(words)
+
+    def colour(self, colour: str) -> None:
+        """Set the letters in another colour."""
+        self.property.SetColor(*pv.Color(colour).float_rgb)
 
     def scale(self, scale: float) -> None:
         """Set the letters larger or smaller than designed."""
@@ -149,17 +154,25 @@ class Shapes:
 
 
 class Raster:
-    """A picture of pixels, as large as fits in the middle of a pane.
+    """A picture of pixels, as large as fits in the middle of a box.
 
     Parameters
     ----------
     renderer : pyvista.Renderer
-    margin : float
-        Share of the shorter side that stays free all around.
+    box : (left, bottom, right, top)
+        In shares of the pane.
+    smooth : bool
+        Blend neighbouring pixels.
     """
 
-    def __init__(self, renderer: pv.Renderer, margin: float = 0.03) -> None:
-        self.renderer, self.margin = renderer, margin
+    def __init__(
+        self,
+        renderer: pv.Renderer,
+        box: tuple[float, float, float, float] = (0.03, 0.03, 0.97, 0.97),
+        *,
+        smooth: bool = False,
+    ) -> None:
+        self.renderer, self.box, self.smooth = renderer, box, smooth
         place = vtkCoordinate()
         place.SetCoordinateSystemToNormalizedViewport()
         self.mesh = pv.PolyData(np.zeros((4, 3)), faces=[4, 0, 1, 2, 3])
@@ -178,12 +191,15 @@ class Raster:
         if image is None:
             return
         width, height = self.renderer.GetSize()
-        room = 1.0 - 2.0 * self.margin
-        size = room * min(width / image.shape[1], height / image.shape[0])
+        left, bottom, right, top = self.box
+        size = min((right - left) * width / image.shape[1], (top - bottom) * height / image.shape[0])
         x, y = (size * image.shape[1] / width / 2, size * image.shape[0] / height / 2)
-        self.mesh.points = np.array([[0.5 + i * x, 0.5 + j * y, 0] for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+        middle = np.array([(left + right) / 2, (bottom + top) / 2, 0])
+        corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
+        self.mesh.points = middle + corners
         texture = pv.Texture(np.ascontiguousarray(image))
-        texture.SetInterpolate(False)
+        texture.SetInterpolate(self.smooth)
+        texture.SetMipmap(self.smooth)
         self.actor.SetTexture(texture)
 
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 Pane = Literal["order", "sum"]
 PANES: tuple[Pane, ...] = ("order", "sum")
-Left = Literal["order", "factors", "hemicube", "matrix"]
-LEFTS: tuple[Left, ...] = ("order", "factors", "hemicube", "matrix")
+Left = Literal["order", "factors", "hemicube", "matrix", "wrong"]
+LEFTS: tuple[Left, ...] = ("order", "factors", "hemicube", "matrix", "wrong")
 OF_A_PATCH = ("factors", "hemicube")  # need a picked patch
 EXPOSURES = (-6.0, 12.0)  # EV that the slider reaches, about the automatic exposure
 EXPOSURE_STEP = 0.5
@@ -59,8 +59,13 @@ class ViewState:
         Which camera preset, counted up.
     picked, other : int
         Picked patch, and the one that its exchange is looked at with; -1 for none.
-    left : {"order", "factors", "hemicube", "matrix"}
-        What the left pane shows: the bounce; the picked patch's form factors; what it sees; the operator T.
+    left : {"order", "factors", "hemicube", "matrix", "wrong"}
+        What the left pane shows: the bounce; the picked patch's form factors; what it sees; the operator T; a
+        shortcut, wrong on purpose.
+    wrong : int
+        Which of `radiosity.shortcuts.ALL`.
+    difference : bool
+        Of a shortcut, show how far off it is.
     playing, help, projector : bool
         Bounces advance by themselves; the list of keys is open; large type.
     """
@@ -79,6 +84,8 @@ class ViewState:
     picked: int = -1
     other: int = -1
     left: Left = "order"
+    wrong: int = 0
+    difference: bool = False
     playing: bool = False
     help: bool = False
     projector: bool = False
@@ -126,8 +133,20 @@ class ViewState:
 
     def next_left(self) -> ViewState:
         """The next thing to show in the left pane, leaving out what needs a patch if none is picked."""
-        possible = [left for left in LEFTS if self.picked >= 0 or left not in OF_A_PATCH]
+        possible = [left for left in LEFTS[:-1] if self.picked >= 0 or left not in OF_A_PATCH]
+        if self.left not in possible:
+            return replace(self, left="order")
         return replace(self, left=possible[(possible.index(self.left) + 1) % len(possible)])
+
+    def next_wrong(self) -> ViewState:
+        """The next shortcut beside all the light there is; after the last one, the bounces again."""
+        from ..shortcuts import ALL
+
+        if self.left != "wrong":
+            return replace(self, left="wrong", wrong=0, order=self.last)
+        if self.wrong + 1 == len(ALL):
+            return replace(self, left="order")
+        return replace(self, wrong=self.wrong + 1)
 
     def toggled(self, switch: str) -> ViewState:
         """The state with one of its switches turned."""
@@ -164,6 +183,8 @@ COMMANDS = (
     Command(("w", "W"), "w", "edges of the patches", lambda state: state.toggled("wireframe")),
     Command(("b", "B"), "b", "backs of one-sided faces", lambda state: state.toggled("backs")),
     Command(("g", "G"), "g", "left: bounce / F of a patch / hemicube / T", lambda state: state.next_left()),
+    Command(("x", "X"), "x", "left: shortcuts, wrong on purpose", lambda state: state.next_wrong()),
+    Command(("d", "D"), "d", "difference of a shortcut to the truth", lambda state: state.toggled("difference")),
     Command(("c", "C"), "c", "next camera", lambda state: replace(state, preset=state.preset + 1)),
     Command(("p", "P"), "p", "projector: large type", lambda state: state.toggled("projector")),
     Command(("question", "h", "H"), "?", "this list", lambda state: state.toggled("help")),

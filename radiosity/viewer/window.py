@@ -17,13 +17,12 @@ from .drawing import Drawing
 from .figures import save_image
 from .inspect import patch_lines
 from .inspector import Inspector
-from .overlay import DESIGN_HEIGHT, FAINT, INK, PowerPanel, ScaleBar, Shapes, Words
+from .overlay import DESIGN_HEIGHT, FAINT, INK, PANEL, PowerPanel, ScaleBar, Shapes, Words
 from .state import COMMANDS, EXPOSURES, PANES, Pane, Series, ViewState, caption, formula, in_words, start
 
 if TYPE_CHECKING:
     from ..solution import Solution
 
-PANEL = "#15181d"
 PROJECTOR_SCALE = 1.5
 HELP_LARGEST = 1.2
 PLAY_MILLISECONDS = 700
@@ -265,6 +264,8 @@ class Window:
 
     def status_lines(self) -> list[str]:
         """What the dashboard says in words."""
+        if self.state.left == "wrong":
+            return self.inspector.compare.lines()
         if self.state.picked >= 0:
             picked = self.state.picked, self.state.other
             return patch_lines(self.solution, self.series, self.state.order, *picked, self.inspector.exchange())
