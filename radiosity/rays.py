@@ -324,16 +324,50 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
 def patch_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """Write `patch_point` of all (s[r], t[r]) to out[r], (n, 3) float32: the same points, many at a time.
 
-    Cells of parallelograms and triangles are affine, so one corner and two edges serve all their points and the loops
-    are short enough for the compiler to run eight at once.
+    What the points of a cell share is computed once, and the loops are short enough for the compiler to run eight at
+    once.
     """
-    n = s.shape[0]
     if table.quad[f] and (table.skew[f, 0] != 0.0 or table.skew[f, 1] != 0.0 or np.any(table.fold[f] != 0.0)):
-        point = np.empty(3)
+        _bilinear_points(table, f, cell, side, s, t, out)
+    else:
+        _affine_points(table, f, cell, side, s, t, out)
+
+
+@numba.njit(nogil=True, cache=True)
+def _bilinear_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
+    """`patch_points` of a cell of a quad that is no parallelogram."""
+    n = s.shape[0]
+    a, b, fold = np.empty(n), np.empty(n), np.empty(n)
+    columns, rows = table.columns[f], table.rows[f]
+    row = cell // columns
+    column = cell - row * columns
+    along, across = table.density[f, 1] / columns, table.density[f, 2] / rows
+    corner = table.density[f, 0] + along * column + across * row
+    begin = corner + 0.5 * across
+    g, h = table.skew[f, 0], table.skew[f, 1]
+    over, per_column, per_row = 1.0 / (1.0 + g + h), 1.0 / columns, 1.0 / rows
+    for r in range(n):  # as in patch_point: `_linear_density` with slopes of zero has no special case
+        x, y = INSET + (1.0 - 2.0 * INSET) * s[r], INSET + (1.0 - 2.0 * INSET) * t[r]
+        total = begin + 0.5 * along
+        x = 2.0 * x * total / (begin + np.sqrt(begin * begin + 2.0 * along * x * total))
+        start = corner + along * x
+        total = start + 0.5 * across
+        y = 2.0 * y * total / (start + np.sqrt(start * start + 2.0 * across * y * total))
+        u, v = (column + x) * per_column, (row + y) * per_row
+        a[r], b[r] = u + g * u * v, v + h * u * v
+        beyond = (a[r] + b[r] - 1.0) * over
+        fold[r] = beyond if beyond > 0.0 else 0.0
+    for x in range(3):
+        origin = table.origin[f, x] + side * OFFSET * table.normal[f, x]
+        to_a, to_b, to_fold = table.along[f, x], table.across[f, x], table.fold[f, x]
         for r in range(n):
-            patch_point(table, f, cell, side, s[r], t[r], point)
-            out[r, 0], out[r, 1], out[r, 2] = point[0], point[1], point[2]
-        return
+            out[r, x] = origin + a[r] * to_a + b[r] * to_b + fold[r] * to_fold
+
+
+@numba.njit(nogil=True, cache=True)
+def _affine_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
+    """`patch_points` of a cell of a parallelogram or a triangle: one corner and two edges serve all its points."""
+    n = s.shape[0]
     columns, rows = table.columns[f], table.rows[f]
     turn = 1.0
     if table.quad[f]:

@@ -14,6 +14,11 @@ from ..rays import MISS
 
 FloatArray = NDArray[np.float64]
 
+ONE = np.uint64(1)
+DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)  # its 64 runs of six bits are all different
+BIT_OF = np.zeros(64, dtype=np.int64)
+BIT_OF[[((0x03F79D71B4CB0A89 << bit) & (2**64 - 1)) >> 58 for bit in range(64)]] = np.arange(64)
+
 
 class RowBlock(NamedTuple):
     """Rows begin … end of a matrix under way.
@@ -97,7 +102,10 @@ def stack_rows(
 
 @numba.njit(nogil=True, cache=True)
 def count_hits(hits, rows, count):  # type: ignore[no-untyped-def]
-    """Hits (rows × rays,) of one block to row lengths, sorted columns, counts, and counts to sky and backs."""
+    """Hits (rows × rays,) of one block to row lengths, sorted columns, counts, and counts to sky and backs.
+
+    A bit for every patch that was hit, and a bit for every 64 of those, give the columns in order without sorting them.
+    """
     rays = hits.shape[0] // rows
     lengths = np.empty(rows, dtype=np.int64)
     indices = np.empty(hits.shape[0], dtype=np.int32)
@@ -105,25 +113,36 @@ def count_hits(hits, rows, count):  # type: ignore[no-untyped-def]
     to_sky = np.zeros(rows, dtype=np.int64)
     to_backs = np.zeros(rows, dtype=np.int64)
     tally = np.zeros(count, dtype=np.int32)
+    marks = np.zeros((count >> 6) + 1, dtype=np.uint64)
+    groups = np.zeros((count >> 12) + 1, dtype=np.uint64)
     filled = 0
     for k in range(rows):
         begin = filled
         for r in range(k * rays, (k + 1) * rays):
             j = hits[r]
             if j >= 0:
-                if tally[j] == 0:
-                    indices[filled] = j
-                    filled += 1
                 tally[j] += 1
+                marks[j >> 6] |= ONE << np.uint64(j & 63)
+                groups[j >> 12] |= ONE << np.uint64((j >> 6) & 63)
             elif j == MISS:
                 to_sky[k] += 1
             else:
                 to_backs[k] += 1
-        columns = indices[begin:filled]
-        columns.sort()
-        for p in range(begin, filled):
-            j = indices[p]
-            counts[p] = tally[j]
-            tally[j] = 0
+        for g in range(groups.shape[0]):
+            while groups[g] != 0:
+                w = (g << 6) + _lowest_bit(groups[g])
+                groups[g] &= groups[g] - ONE
+                while marks[w] != 0:
+                    j = (w << 6) + _lowest_bit(marks[w])
+                    marks[w] &= marks[w] - ONE
+                    indices[filled], counts[filled] = j, tally[j]
+                    tally[j] = 0
+                    filled += 1
         lengths[k] = filled - begin
     return lengths, indices[:filled].copy(), counts[:filled].copy(), to_sky, to_backs
+
+
+@numba.njit(nogil=True, cache=True, inline="always")
+def _lowest_bit(word):  # type: ignore[no-untyped-def]
+    """Number of the lowest bit that is set, by a de Bruijn sequence (Leiserson, Prokop & Randall 1998)."""
+    return BIT_OF[((word & (~word + ONE)) * DE_BRUIJN) >> np.uint64(58)]

@@ -193,37 +193,62 @@ class _Ground(NamedTuple):
     emitter_side: NDArray[np.int8]
 
 
-@numba.njit(nogil=True, cache=True)
 def _shadow_rays(ground, pairs, points, shifted, run, origins, directions, weight):  # type: ignore[no-untyped-def]
-    """Rays from points of patches to points of emitters, and their kernels cos θ cos θ' / r² (0 behind either)."""
+    """Fill rays from points of patches to points of emitters, and their kernels cos θ cos θ' / r² (0 behind either).
+
+    One kernel a step, not one for all: the compiler then sees loops that it can run eight at once.
+    """
+    samples = np.empty((4, len(origins)))
+    _samples(pairs, points, shifted, run, weight.shape[1], samples)
+    _ends(ground, pairs, samples, weight.shape[1], origins, directions)
+    _kernels(ground, pairs, origins, directions, weight)
+
+
+@numba.njit(nogil=True, cache=True)
+def _samples(pairs, points, shifted, run, count, out):  # type: ignore[no-untyped-def]
+    """Numbers in [0, 1) for each pair: `points`, shifted by its key or as they are; hashes where there are none."""
+    for p in range(pairs.shape[0]):
+        pair = key(key(np.uint64(run), np.uint64(pairs[p, 0])), np.uint64(pairs[p, 1]))
+        first = p * count
+        if points.shape[1] > 0:
+            for d in range(4):
+                shift = high_bits(key(pair, d)) if shifted else np.uint32(0)
+                for r in range(count):
+                    out[d, first + r] = (points[d, r] ^ shift) * BITS_TO_UNIT
+        else:
+            for r in range(count):
+                ray = key(pair, r)
+                for d in range(4):
+                    out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
+
+
+@numba.njit(nogil=True, cache=True)
+def _ends(ground, pairs, samples, count, origins, targets):  # type: ignore[no-untyped-def]
+    """Points of the patches, lifted, and of the emitters, not lifted: a ray to one ends on its face."""
+    for p in range(pairs.shape[0]):
+        here = slice(p * count, (p + 1) * count)
+        i, e = pairs[p, 0], pairs[p, 1]
+        f, cell, up = ground.face[i], i - ground.first[i], np.float64(ground.side[i])
+        patch_points(ground.table, f, cell, up, samples[0, here], samples[1, here], origins[here])
+        patch_points(ground.whole, ground.emitter_face[e], 0, 0.0, samples[2, here], samples[3, here], targets[here])
+
+
+@numba.njit(nogil=True, cache=True)
+def _kernels(ground, pairs, origins, targets, weight):  # type: ignore[no-untyped-def]
+    """Turn targets into directions, and weigh them."""
     count = weight.shape[1]
-    samples = np.empty((4, count))
     for p in range(pairs.shape[0]):
         i, e = pairs[p, 0], pairs[p, 1]
-        _samples(key(key(np.uint64(run), np.uint64(i)), np.uint64(e)), points, shifted, samples)
-        f, g = ground.face[i], ground.emitter_face[e]
+        n, m = ground.table.normal[ground.face[i]], ground.table.normal[ground.emitter_face[e]]
         up, towards = np.float64(ground.side[i]), np.float64(ground.emitter_side[e])
-        here, there = origins[p * count : (p + 1) * count], directions[p * count : (p + 1) * count]
-        patch_points(ground.table, f, i - ground.first[i], up, samples[0], samples[1], here)
-        patch_points(ground.whole, g, 0, 0.0, samples[2], samples[3], there)  # not lifted: the ray ends on the face
-        n, m = ground.table.normal[f], ground.table.normal[g]
         for r in range(count):
-            x, y, z = there[r, 0] - here[r, 0], there[r, 1] - here[r, 1], there[r, 2] - here[r, 2]
-            there[r, 0], there[r, 1], there[r, 2] = x, y, z
+            q = p * count + r
+            x, y, z = targets[q, 0] - origins[q, 0], targets[q, 1] - origins[q, 1], targets[q, 2] - origins[q, 2]
+            targets[q, 0], targets[q, 1], targets[q, 2] = x, y, z
             cosine = up * (n[0] * x + n[1] * y + n[2] * z)
             other = -towards * (m[0] * x + m[1] * y + m[2] * z)
             r2 = np.float64(x) * x + np.float64(y) * y + np.float64(z) * z
             weight[p, r] = cosine * other / (r2 * r2) if cosine > 0.0 and other > 0.0 else 0.0
-
-
-@numba.njit(nogil=True, cache=True)
-def _samples(pair, points, shifted, out):  # type: ignore[no-untyped-def]
-    """Numbers in [0, 1) of a pair, (4, count): points, shifted by its key or not; hashes where there are none."""
-    for d in range(4):
-        shift = high_bits(key(pair, d)) if shifted else np.uint32(0)
-        for r in range(out.shape[1]):
-            bits = points[d, r] ^ shift if points.shape[1] > 0 else high_bits(key(key(pair, r + 4), d))
-            out[d, r] = bits * BITS_TO_UNIT
 
 
 @numba.njit(nogil=True, cache=True)

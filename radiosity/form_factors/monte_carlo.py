@@ -153,59 +153,77 @@ class _BlockOfRows:
         return rows if self.direct is None else self.direct.put_into(rows, self.rays)
 
 
-@numba.njit(nogil=True, cache=True)
 def cosine_rays(table, face, side, front, back, begin, end, rays, points, run, origins, directions):  # type: ignore[no-untyped-def]
     """Fill origins and directions ((end - begin) × rays, 3) of the patches begin … end.
 
     With `points` (4, rays) uint32, each patch shifts them by a key of (run, patch); without, numbers are hashed
-    from (run, patch, ray).
+    from (run, patch, ray). One kernel a step, not one for all: the compiler then sees loops that it can run eight at
+    once.
     """
-    samples = np.empty((4, rays))
+    samples = np.empty((4, len(origins)))
+    _samples(begin, end, rays, points, run, samples)
+    _origins(table, face, side, front, back, begin, end, rays, samples, origins)
+    _directions(table, face, side, begin, end, rays, samples, directions)
+
+
+@numba.njit(nogil=True, cache=True)
+def _samples(begin, end, rays, points, run, out):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
-        f = face[i]
-        up = np.float64(side[i])
-        cell = i - (front[f] if up > 0 else back[f])
+        first = (i - begin) * rays
         patch = key(np.uint64(run), np.uint64(i))
         if points.shape[1] > 0:
             for d in range(4):
                 shift = high_bits(key(patch, d))
                 for r in range(rays):
-                    samples[d, r] = (points[d, r] ^ shift) * BITS_TO_UNIT
+                    out[d, first + r] = (points[d, r] ^ shift) * BITS_TO_UNIT
         else:
             for r in range(rays):
                 ray = key(patch, r + 4)
                 for d in range(4):
-                    samples[d, r] = high_bits(key(ray, d)) * BITS_TO_UNIT
+                    out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
+
+
+@numba.njit(nogil=True, cache=True)
+def _origins(table, face, side, front, back, begin, end, rays, samples, out):  # type: ignore[no-untyped-def]
+    for i in range(begin, end):
         here = slice((i - begin) * rays, (i - begin + 1) * rays)
-        patch_points(table, f, cell, up, samples[0], samples[1], origins[here])
-        cosine_directions(table.tangent[f], table.normal[f], up, samples[2], samples[3], directions[here])
+        up = np.float64(side[i])
+        cell = i - (front[face[i]] if up > 0 else back[face[i]])
+        patch_points(table, face[i], cell, up, samples[0, here], samples[1, here], out[here])
+
+
+@numba.njit(nogil=True, cache=True)
+def _directions(table, face, side, begin, end, rays, samples, out):  # type: ignore[no-untyped-def]
+    for i in range(begin, end):
+        here = slice((i - begin) * rays, (i - begin + 1) * rays)
+        f, up = face[i], np.float64(side[i])
+        cosine_directions(table.tangent[f], table.normal[f], up, samples[2, here], samples[3, here], out[here])
 
 
 @numba.njit(nogil=True, cache=True)
 def cosine_directions(tangent, normal, up, s, t, out):  # type: ignore[no-untyped-def]
     """Write to out (n, 3) directions about up × normal, cosine-distributed for uniform s and t.
 
-    sin and cos of the angle 2π t are polynomials in the distance to the nearest quarter turn, at most π/4:
-    right to 3e-8, which is float32's rounding, and free of calls, so that the compiler runs eight at once.
+    sin and cos of the angle 2π t are polynomials in the distance to the nearest quarter turn, at most π/4: right to
+    3e-8, which is float32's rounding, and free of calls and branches. Two short loops fit the compiler's eyes.
     """
+    x, y = np.empty((2, s.shape[0]))
+    for r in range(s.shape[0]):
+        quarter = np.floor(4.0 * t[r] + 0.5)  # 0 … 4
+        angle = 0.5 * np.pi * (4.0 * t[r] - quarter)
+        q = angle * angle
+        sine = angle * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q * (1.0 / 362880.0)))))
+        cosine = 1.0 - q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q * (1.0 / 40320.0))))
+        odd = abs(quarter - 2.0) == 1.0
+        along, across = sine if odd else cosine, cosine if odd else sine
+        x[r] = -along if abs(quarter - 1.5) < 1.0 else along
+        y[r] = -across if abs(quarter - 2.5) < 1.0 else across
     n0, n1, n2 = up * normal[0], up * normal[1], up * normal[2]
     t0, t1, t2 = tangent[0], tangent[1], tangent[2]
     b0, b1, b2 = n1 * t2 - n2 * t1, n2 * t0 - n0 * t2, n0 * t1 - n1 * t0
     for r in range(s.shape[0]):
-        quarter = np.floor(4.0 * t[r] + 0.5)
-        angle = 0.5 * np.pi * (4.0 * t[r] - quarter)
-        q = angle * angle
-        sine = angle * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q / 362880.0))))
-        cosine = 1.0 - q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q / 40320.0)))
-        odd = quarter == 1.0 or quarter == 3.0
-        x = sine if odd else cosine
-        y = cosine if odd else sine
-        x = -x if (quarter == 1.0 or quarter == 2.0) else x
-        y = -y if (quarter == 2.0 or quarter == 3.0) else y
-        radius = np.sqrt(s[r])
-        z = np.sqrt(1.0 - s[r])
-        x *= radius
-        y *= radius
-        out[r, 0] = x * t0 + y * b0 + z * n0
-        out[r, 1] = x * t1 + y * b1 + z * n1
-        out[r, 2] = x * t2 + y * b2 + z * n2
+        radius, z = np.sqrt(s[r]), np.sqrt(1.0 - s[r])
+        along, across = radius * x[r], radius * y[r]
+        out[r, 0] = along * t0 + across * b0 + z * n0
+        out[r, 1] = along * t1 + across * b1 + z * n1
+        out[r, 2] = along * t2 + across * b2 + z * n2
