@@ -66,6 +66,8 @@ class ViewState:
         Which of `radiosity.shortcuts.ALL`.
     difference : bool
         Of a shortcut, show how far off it is.
+    verdict : bool
+        Say how wrong the light can be.
     playing, help, projector : bool
         Bounces advance by themselves; the list of keys is open; large type.
     """
@@ -86,6 +88,7 @@ class ViewState:
     left: Left = "order"
     wrong: int = 0
     difference: bool = False
+    verdict: bool = False
     playing: bool = False
     help: bool = False
     projector: bool = False
@@ -185,6 +188,7 @@ COMMANDS = (
     Command(("g", "G"), "g", "left: bounce / F of a patch / hemicube / T", lambda state: state.next_left()),
     Command(("x", "X"), "x", "left: shortcuts, wrong on purpose", lambda state: state.next_wrong()),
     Command(("d", "D"), "d", "difference of a shortcut to the truth", lambda state: state.toggled("difference")),
+    Command(("v", "V"), "v", "verdict: how wrong this can be", lambda state: state.toggled("verdict")),
     Command(("c", "C"), "c", "next camera", lambda state: replace(state, preset=state.preset + 1)),
     Command(("p", "P"), "p", "projector: large type", lambda state: state.toggled("projector")),
     Command(("question", "h", "H"), "?", "this list", lambda state: state.toggled("help")),

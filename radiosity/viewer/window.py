@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,10 +26,10 @@ if TYPE_CHECKING:
     from ..solution import Solution
 
 PROJECTOR_SCALE = 1.5
-HELP_LARGEST = 1.2
+HELP_LARGEST = 1.1
 PLAY_MILLISECONDS = 700
 ROWS = (0.085, 0.715, 0.2)  # titles, panes, dashboard
-SLIDER_WIDTH = 0.24
+STATUS_LETTERS = 66
 
 
 def view(
@@ -153,7 +155,7 @@ class Window:
     def _build_dashboard(self, left: int) -> None:
         self.plotter.subplot(2, left)
         renderer = self.plotter.renderer
-        self.status = Words(renderer, (0.33, 0.87), 15, vertical="top")
+        self.status = Words(renderer, (0.33, 0.9), 14, vertical="top")
         self.power = PowerPanel(renderer, self.series, (0.72, 0.32, 0.97, 0.78))
         self.order_words = Words(renderer, (0.03, 0.84), 15)
         self.exposure_words = Words(renderer, (0.03, 0.42), 15)
@@ -181,8 +183,8 @@ class Window:
         shown += [("drag", "turn"), ("wheel", "nearer / farther"), ("shift drag", "move")]
         shown += [("click", "pick a patch"), ("ctrl click", "a second one"), ("q", "quit")]
         self.help_words = [
-            Words(renderer, (0.1, 0.92), 17, vertical="top", style="-Bold", words="\n".join(keys for keys, _ in shown)),
-            Words(renderer, (0.27, 0.92), 17, vertical="top", words="\n".join(does for _, does in shown)),
+            Words(renderer, (0.1, 0.94), 15, vertical="top", style="-Bold", words="\n".join(keys for keys, _ in shown)),
+            Words(renderer, (0.27, 0.94), 15, vertical="top", words="\n".join(does for _, does in shown)),
         ]
 
     def _listen(self) -> None:
@@ -264,6 +266,8 @@ class Window:
 
     def status_lines(self) -> list[str]:
         """What the dashboard says in words."""
+        if self.state.verdict:
+            return [part for line in str(self.solution.certificate).splitlines() for part in wrap(line, STATUS_LETTERS)]
         if self.state.left == "wrong":
             return self.inspector.compare.lines()
         if self.state.picked >= 0:
@@ -283,9 +287,18 @@ class Window:
             f"k = {state.order}: {in_words(state.order)}",
             f"this bounce: {display_watts(power)}",
             f"all so far: {total / emitted:.3f} × the emitted power",
+            self.balance,
             f"{len(self.solution.patches):,} patches · " + " · ".join(word for word in switches if word),
             "? lists the keys",
         ]
+
+    @functools.cached_property
+    def balance(self) -> str:
+        """Where all the power goes."""
+        balance = self.solution.balance
+        put_in = float(balance.put_in.sum()) or 1.0
+        kept, gone = float(balance.absorbed.sum()) / put_in, float(balance.to_sky.sum()) / put_in
+        return f"absorbed {kept:.1%}, escaped {gone:.1%}, defect {balance.defect:+.2%}".replace("-", "−")
 
     def word_scale(self) -> float:
         """Letters against their designed size: by the height of the window, and larger for a projector."""

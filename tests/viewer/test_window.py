@@ -138,6 +138,17 @@ def test_scale_bar_appears_with_false_colour(window: Window) -> None:
     assert ticks[-1].endswith("W/m²")
 
 
+def test_the_dashboard_says_where_the_power_goes_and_how_sure_that_is(window: Window, solution: rad.Solution) -> None:
+    lines = window.status.actor.GetInput().splitlines()
+    absorbed = solution.balance.absorbed.sum() / solution.balance.put_in.sum()
+    assert f"absorbed {absorbed:.1%}" in lines[3]
+    assert f"defect {solution.balance.defect:+.2%}".replace("-", "−") in lines[3]
+    press(window, "v")
+    said = window.status.actor.GetInput()
+    assert said.replace("\n", " ") == str(solution.certificate).replace("\n", " ")
+    assert max(map(len, said.splitlines())) <= 66
+
+
 def test_marker_stands_at_the_bounce(window: Window) -> None:
     for order in (0, 6):
         drag(window.order_slider, order)
