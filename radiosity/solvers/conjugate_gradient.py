@@ -19,6 +19,7 @@ FloatArray = NDArray[np.float64]
 ASYMMETRY = 1e-10  # of trial vectors; conserved factors have 1e-16, raw ones 1e-3 and more
 
 DRIFT = 0.1  # of the recursive residual from the true one, beyond which the directions are forgotten
+INDEFINITE = 1e-10  # relative; less is rounding
 PATIENCE = 8  # checks without progress: rounding is reached, more iterations are in vain
 
 
@@ -208,10 +209,11 @@ class _Irradiance:
         return self.scale.reshape(field.shape)
 
     def _aim(self) -> FloatArray:
-        """Largest residual, (C, S), that surely meets the tolerance of all enclosures."""
-        lit = np.unique(self.problem.label, return_index=True)[1]
-        scaled = self.problem.tolerance.reshape(len(lit), *self.right.shape[1:]) / self.scale[lit]
-        return np.min(scaled, axis=0)
+        """Largest residual, (C, S), that surely meets the tolerance of all lit enclosures."""
+        first = np.unique(self.problem.label, return_index=True)[1]
+        shape = len(first), *self.right.shape[1:]
+        scaled = self.problem.tolerance.reshape(shape) / self.scale[first]
+        return np.min(np.where(self.problem.size.reshape(shape) > 0, scaled, np.inf), axis=0)
 
     def _advance(self) -> bool:
         """One iteration of preconditioned, deflated conjugate gradients; False where nothing is left to do."""
@@ -227,9 +229,11 @@ class _Irradiance:
             self.direction = fresh + beta * self.direction
         image = self._product(self.direction)
         curvature = self._inner(self.direction, image)
-        if np.any((energy > 0) & ~(curvature > 0)):
+        if np.any(curvature < -INDEFINITE * self._inner(self.direction, self.diagonal * self.direction)):
             raise SolverError("the system is not positive definite: form factors are not symmetric or not closed")
-        length = np.divide(energy, curvature, out=np.zeros_like(energy), where=energy > 0)
+        # (r, p), not (r, z): equal in exact arithmetic, but where only rounding is left, p is a rounding error of z.
+        along = self._inner(self.residual, self.direction)
+        length = np.divide(along, curvature, out=np.zeros_like(along), where=curvature > 0)
         self.rest = self.rest + length * self.direction
         self.residual = self.residual - length * image
         self.energy = energy

@@ -63,7 +63,7 @@ class Shooting(Solver):
         light = unshot.copy() if problem.start is None else problem.start + unshot  # unshot light is there already
         before = np.zeros_like(light)
         for order in range(self.maxiter + 1):
-            residual = problem.measure(unshot if on_demand else problem.residual(light))
+            residual = problem.measure(unshot if on_demand else problem.source + problem.product(light) - light)
             done = problem.reached(residual, light)
             yield problem.step(order, light - before, light.copy(), residual, unshot.copy())
             if done or order == self.maxiter:
