@@ -6,6 +6,7 @@ from . import scenes as scenes
 from . import shortcuts as shortcuts
 from . import thermal as thermal
 from ._version import __version__ as __version__
+from .camera import Camera as Camera
 from .certificate import Certificate as Certificate
 from .certificate import certify as certify
 from .errors import RadiosityError as RadiosityError
@@ -13,8 +14,8 @@ from .errors import RadiosityWarning as RadiosityWarning
 from .exchange import TotalExchange as TotalExchange
 from .exchange import total_exchange_factors as total_exchange_factors
 from .files import read_scene as read_scene
-from .files.solutions import read_solution as read_solution
 from .files import write_scene as write_scene
+from .files.solutions import read_solution as read_solution
 from .form_factors import Analytic as Analytic
 from .form_factors import FormFactors as FormFactors
 from .form_factors import Hemicube as Hemicube
@@ -25,6 +26,7 @@ from .patches import Patches as Patches
 from .patches import subdivide as subdivide
 from .path_tracer import PathTracer as PathTracer
 from .path_tracer import WalkedLight as WalkedLight
+from .render import render as render
 from .result import Result as Result
 from .result import Step as Step
 from .scene import Material as Material

@@ -1,4 +1,4 @@
-"""Where to look from: a pinhole, and presets worked out from the patches, so that no scene needs a camera of its own."""
+"""Where to look from: a pinhole, and presets worked out from the patches, so that a scene needs no camera."""
 
 from __future__ import annotations
 

@@ -51,21 +51,9 @@ def relit_scene(
         check_names(scene, named or {}, argument)
 
     def changed(surface: Surface) -> Surface:
-        old = surface.material
-        share = {old.given: getattr(old, old.given)}
-        paint = _named(reflectance, surface)
-        light = _named(emission, surface)
-        if paint is None and light is None:
-            return surface
-        return replace(
-            surface,
-            material=Material(
-                **(share if paint is None else {"reflectance": np.asarray(paint)}),
-                emission=old.emission if light is None else np.asarray(light, dtype=np.float64),
-                two_sided=old.two_sided,
-                name=old.name,
-            ),
-        )
+        named = {"reflectance": _named(reflectance, surface), "emission": _named(emission, surface)}
+        changes = {what: value for what, value in named.items() if value is not None}
+        return replace(surface, material=surface.material.replace(**changes)) if changes else surface
 
     surfaces = tuple(changed(surface) for surface in scene.surfaces)
     return replace(scene, surfaces=surfaces, sky=scene.sky if sky is None else np.asarray(sky, dtype=np.float64))

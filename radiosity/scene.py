@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,7 +88,7 @@ class Material:
     emission: FloatArray
     two_sided: bool
     name: str
-    given: Literal["reflectance", "absorptance"]
+    given: str
 
     def __init__(
         self,
@@ -120,9 +120,10 @@ class Material:
         >>> Material(absorptance=1e-12).replace(emission=2.0).absorptance
         array([1.e-12])
         """
-        kept = {} if {"reflectance", "absorptance"} & changes.keys() else {self.given: getattr(self, self.given)}
-        rest = {"emission": self.emission, "two_sided": self.two_sided, "name": self.name}
-        return Material(**{**kept, **rest, **changes})
+        kept: dict[str, Any] = {"emission": self.emission, "two_sided": self.two_sided, "name": self.name}
+        if not {"reflectance", "absorptance"} & changes.keys():
+            kept[self.given] = getattr(self, self.given)
+        return Material(**kept | changes)
 
     @property
     def channels(self) -> int:

@@ -250,12 +250,9 @@ def with_temperatures(
 
 def _heated(old: Material, kelvin: float, emissivity: ArrayLike | None, band_edges: ArrayLike | None) -> Material:
     """A material that emits by its temperature, with the share that was given kept exactly."""
-    given: dict[str, Any] = {old.given: getattr(old, old.given)}
-    if emissivity is not None:
-        given = {"absorptance": np.asarray(emissivity)}
     share = old.absorptance if emissivity is None else np.asarray(emissivity, dtype=np.float64)
     emission = exitance(kelvin, share, band_edges)
-    return Material(**given, emission=emission, two_sided=old.two_sided, name=old.name)
+    return old.replace(emission=emission, **({} if emissivity is None else {"absorptance": share}))
 
 
 def _named(values: Mapping[str, Any], surface: Surface) -> Any:

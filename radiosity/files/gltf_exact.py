@@ -74,7 +74,7 @@ def exact_material(extras: JSON, plain: Material, where: str) -> Material | None
     value = checked.numbers(extras, given, where, None, ())
     emission = checked.numbers(extras, "emission", where, None, ())
     try:
-        exact = Material(**{given: value}, emission=emission, two_sided=plain.two_sided, name=plain.name)  # type: ignore[arg-type]
+        exact = Material(**{given: value}, emission=emission, two_sided=plain.two_sided, name=plain.name)
     except MaterialError:
         return None
     pairs = ((exact.reflectance, plain.reflectance), (exact.emission / np.pi, plain.emission / np.pi))

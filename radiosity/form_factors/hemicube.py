@@ -27,8 +27,8 @@ BATCH = 1 << 16  # pixels at a time
 class Hemicube:
     """Form factors by hemicubes.
 
-    From each sample point of a patch the item buffer says which patch is seen through the middle of each pixel of a half
-    cube; the pixel's delta form factor goes to that patch. Delta form factors are exact integrals over the
+    From each sample point of a patch the item buffer says which patch is seen through the middle of each pixel of a
+    half cube; the pixel's delta form factor goes to that patch. Delta form factors are exact integrals over the
     pixel, so they add up to 1 and rows close. What is wrong is aliasing (a patch smaller than a
     pixel is seen or missed as a whole) and, with few sample points, that the patch is not seen from all of itself.
 

@@ -84,12 +84,7 @@ def corridor(
 def _wall_material(reflectance: ArrayLike | None, absorptance: ArrayLike | None) -> Material:
     if reflectance is None and absorptance is None:
         reflectance = 0.8
-    return Material(reflectance, absorptance, name="wall")  # type: ignore[arg-type]
-
-
-def _with(material: Material, **changes: object) -> Material:
-    given = {material.given: getattr(material, material.given)}
-    return Material(**given | {"name": material.name} | changes)
+    return Material(reflectance, absorptance, name="wall")
 
 
 def _chain(name: str, doors: Sequence[float | Sequence[float]], alternate: bool, walls: Material) -> Scene:
@@ -103,11 +98,11 @@ def _chain(name: str, doors: Sequence[float | Sequence[float]], alternate: bool,
     ends = (0.0, 0.0, 0.0), ((len(doors) + 1) * WIDTH, HEIGHT, DEPTH)
     surfaces += [Surface(part, *wall(part, *ends), walls) for part in ("left_wall", "right_wall")]
     light = np.full(walls.channels, np.pi * 10.0)
-    surfaces.append(Surface("lamp", *panel(*lamp, -1), _with(walls, emission=light, name="lamp")))
+    surfaces.append(Surface("lamp", *panel(*lamp, -1), walls.replace(emission=light, name="lamp")))
     for k, door in enumerate(doors):
         mesh = _partition((k + 1) * WIDTH, door, side=k % 2 if alternate else None)
         if mesh is not None:
-            surfaces.append(Surface(f"partition_{k + 1}", *mesh, _with(walls, two_sided=True, name="partition")))
+            surfaces.append(Surface(f"partition_{k + 1}", *mesh, walls.replace(two_sided=True, name="partition")))
     return Scene(tuple(surfaces), name=name, closed=True)
 
 

@@ -43,7 +43,7 @@ def furnace(
     """
     if reflectance is None and absorptance is None:
         reflectance = 0.5
-    walls = Material(reflectance, absorptance, emission, name="wall")  # type: ignore[arg-type]
+    walls = Material(reflectance, absorptance, emission, name="wall")
     return Scene(tuple(room((0, 0, 0), (size, size, size), walls)), name="furnace", closed=True)
 
 

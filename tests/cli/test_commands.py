@@ -70,7 +70,11 @@ def test_solve_writes_what_the_api_computes(place, capsys):
             {},
         ),
         (["--rays", "32", "--rtol", "1e-2"], rad.MonteCarlo(rays=32, replicates=2), {"solver": rad.Neumann(rtol=1e-2)}),
-        (["--rays", "32", "--patch-size", "0.5"], rad.MonteCarlo(rays=32, replicates=2), {"patch_count": None, "patch_size": 0.5}),
+        (
+            ["--rays", "32", "--patch-size", "0.5"],
+            rad.MonteCarlo(rays=32, replicates=2),
+            {"patch_count": None, "patch_size": 0.5},
+        ),
     ],
 )
 def test_options_are_the_parameters_of_the_api(words, estimator, settings):
