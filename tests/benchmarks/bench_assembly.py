@@ -22,7 +22,6 @@ from radiosity.parallel import blocks, ordered_map
 from radiosity.rays import Tracer
 from radiosity.sequences import seed_key, sobol_points
 
-
 MOST_RAYS = 1 << 23  # kept for bare tracing: 200 MB
 
 
