@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..solution import Solution
 
 PROJECTOR_SCALE = 1.5
-HELP_LARGEST = 1.1
+HELP_SIZE, HELP_LARGEST = 15, 1.1
 PLAY_MILLISECONDS = 700
 ROWS = (0.085, 0.715, 0.2)  # titles, panes, dashboard
 STATUS_LETTERS = 66
@@ -182,10 +182,13 @@ class Window:
         shown = [(command.shown, command.does) for command in COMMANDS]
         shown += [("drag", "turn"), ("wheel", "nearer / farther"), ("shift drag", "move")]
         shown += [("click", "pick a patch"), ("ctrl click", "a second one"), ("q", "quit")]
-        self.help_words = [
-            Words(renderer, (0.1, 0.94), 15, vertical="top", style="-Bold", words="\n".join(keys for keys, _ in shown)),
-            Words(renderer, (0.27, 0.94), 15, vertical="top", words="\n".join(does for _, does in shown)),
-        ]
+        self.help_words = []
+        for line, (keys, does) in enumerate(shown):  # one by one: lines of different letters differ in height
+            height = 0.935 - 0.9 * line / len(shown)
+            self.help_words += [
+                Words(renderer, (0.1, height), HELP_SIZE, style="-Bold", words=keys),
+                Words(renderer, (0.27, height), HELP_SIZE, words=does),
+            ]
 
     def _listen(self) -> None:
         """Take all keys from VTK, whose own would turn the scene to wireframe or close the window."""

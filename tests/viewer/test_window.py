@@ -122,10 +122,14 @@ def test_the_picture_changes_when_the_state_does(window: Window) -> None:
 
 
 def test_the_help_lists_every_key(window: Window) -> None:
-    listed = [words.actor.GetInput().splitlines() for words in window.help_words]
-    assert len(listed[0]) == len(listed[1])
+    listed = [words.actor.GetInput() for words in window.help_words]
+    does = dict(zip(listed[::2], listed[1::2], strict=True))
     for command in COMMANDS:
-        assert listed[1][listed[0].index(command.shown)] == command.does
+        assert does[command.shown] == command.does
+    press(window, "question")
+    heights = [words.actor.GetPosition()[1] for words in window.help_words[::2]]
+    room = 400 * 0.715 * -np.diff(heights).max()  # pixels for a line of the list, in this window
+    assert max(words.property.GetFontSize() for words in window.help_words) < room
 
 
 def test_scale_bar_appears_with_false_colour(window: Window) -> None:
@@ -222,3 +226,19 @@ def test_a_real_window_opens_plays_and_closes(tmp_path: Path) -> None:
     assert run.returncode == 0, run.stderr
     assert "order=5" in run.stdout, run.stdout  # one by the key, four by playing
     assert "exposure=0.5" in run.stdout
+
+
+@pytest.mark.benchmark
+@pytest.mark.parametrize(("patches", "limit"), [(10_000, 0.033), (100_000, 0.1)])
+def test_a_step_of_the_slider_is_quick_without_a_graphics_card(patches: int, limit: float) -> None:
+    """Both panes, without smoothed edges, as in a window that the processor draws."""
+    solution = rad.solve(rad.scenes.cornell_box(), patch_count=patches, estimator=rad.MonteCarlo(rays=16), bounces=10)
+    window = Window(solution, off_screen=True)
+    window.plotter.render_window.SetMultiSamples(0)
+    times = []
+    for k in range(12):
+        begin = time.perf_counter()
+        drag(window.order_slider, k % 11)
+        times.append(time.perf_counter() - begin)
+    window.close()
+    assert float(np.median(times)) <= limit, times
