@@ -140,6 +140,16 @@ def test_reciprocity_and_energy_come_with_their_standard_errors():
     assert 0.4 < np.std(defects) < 1.3 and np.max(np.abs(defects)) > 0.1
 
 
+def test_energy_error_of_independent_rays_is_the_true_one():
+    """One run of random rays knows its own standard error: defects over many seeds have a spread of one."""
+    E, defects = lamps(), []
+    for seed in range(60):
+        T = TransportOperator(sampled(truth(sky=0.1), 1024, 1, seed), reflectance=np.full((50, 3), 0.7))
+        certificate = certify(T, E, Direct().solve(T, E).radiosity)
+        defects.append(certificate.energy_defect / certificate.energy_error)
+    assert 0.8 < np.std(defects) < 1.2 and np.abs(np.mean(defects)) < 0.4
+
+
 def test_conserved_factors_balance_to_the_last_digits():
     T = TransportOperator(sampled(truth(), 2048, 4).conserved(), absorptance=np.full((50, 3), 1e-6))
     E = lamps()

@@ -29,7 +29,7 @@ class Elimination:
     factors : ndarray (n, n)
         L below the diagonal, U above; the diagonal is not used.
     pivots : ndarray (n,)
-        D. A pivot of zero is an unknown without any loss; its solution is given as zero.
+        D. A pivot of zero is an unknown without any loss; it is set to zero.
     """
 
     factors: FloatArray
@@ -39,12 +39,6 @@ class Elimination:
         """Solve M x = right, (n,) or (n, m)."""
         columns = np.array(right, dtype=np.float64).reshape(len(right), -1)
         _substitute(self.factors, self.pivots, columns)
-        return columns.reshape(right.shape)
-
-    def solve_transposed(self, right: FloatArray) -> FloatArray:
-        """Solve Mᵀ x = right, (n,) or (n, m)."""
-        columns = np.array(right, dtype=np.float64).reshape(len(right), -1)
-        _substitute_transposed(self.factors, self.pivots, columns)
         return columns.reshape(right.shape)
 
 
@@ -91,6 +85,8 @@ def _eliminate_panel(W, e, pivots, begin, end):  # type: ignore[no-untyped-def]
             pivot += W[k, j]
         pivots[k] = pivot
         for i in range(k + 1, n):
+            if pivot == 0.0:  # an unknown set to zero: what goes there is lost
+                e[i] += W[i, k]
             share = W[i, k] / pivot if pivot > 0.0 else 0.0
             W[i, k] = share
             if share > 0.0:
@@ -114,18 +110,3 @@ def _substitute(W, pivots, x):  # type: ignore[no-untyped-def]
                 x[i, c] += W[i, j] * x[j, c]
         for c in range(width):
             x[i, c] = x[i, c] / pivots[i] if pivots[i] > 0.0 else 0.0
-
-
-@numba.njit(nogil=True, cache=True)
-def _substitute_transposed(W, pivots, x):  # type: ignore[no-untyped-def]
-    n, width = x.shape
-    for i in range(n):
-        for c in range(width):
-            x[i, c] = x[i, c] / pivots[i] if pivots[i] > 0.0 else 0.0
-        for j in range(i + 1, n):
-            for c in range(width):
-                x[j, c] += W[i, j] * x[i, c]
-    for i in range(n - 1, -1, -1):
-        for k in range(i):
-            for c in range(width):
-                x[k, c] += W[i, k] * x[i, c]

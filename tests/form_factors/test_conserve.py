@@ -140,6 +140,19 @@ def test_a_kept_column_that_does_not_close(wrong):
     assert_allclose(made.matrix[5, 5], max(1.0 - wrong, 0.0), atol=2e-3)
 
 
+@pytest.mark.parametrize("wrong", [0.7, 1.3])
+def test_a_kept_lamp_in_the_open_closes_by_its_sky(wrong):
+    """Its column is exact and its sky was sampled: the sky gives way, not the lamp."""
+    truth = exact(sky=0.3)
+    keep = np.arange(60) == 5
+    sky = np.where(keep, truth.to_sky * wrong, truth.to_sky)
+    raw = replace(truth, to_sky=sky)
+    made = raw.conserved(keep=keep)
+    assert_allclose(made.matrix.toarray()[:, 5], truth.matrix.toarray()[:, 5], rtol=1e-13)
+    assert_allclose(made.to_sky, truth.to_sky, rtol=1e-12)
+    assert made.statistics["conserve/kept_on_diagonal"] < 1e-12
+
+
 def test_replicates_are_conserved_too():
     truth = exact()
     runs = tuple(sampled(truth, 500, seed) for seed in range(4))

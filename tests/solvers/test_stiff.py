@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -92,6 +93,33 @@ def test_two_rooms_down_to_a_pinhole(coupling, absorptance):
         assert_allclose(result.radiosity, Direct().solve(T, E).radiosity, rtol=1e-9)
         assert np.abs(energy_defect(T, E, result.radiosity)).max() <= 1e-12
         assert result.statistics["solver/products"] <= MOST_PRODUCTS
+
+
+def test_residual_is_that_of_the_light_before_rounding():
+    """Light is 1e12 times its source, and its float64 rounding alone leaves 1e-4: what is claimed is less, and true."""
+    T, E = TransportOperator(chain_of_rooms(2, 10, 0.5), absorptance=1e-12), lamp(20)
+    method = ConjugateGradient(rtol=1e-11)
+    problem = method.pose(T, E, None, None)
+    state = module._Irradiance(problem, module.find_rooms(T.factors))
+    for _ in range(6):
+        claimed = state.balance_rooms()
+        state.iterate(4)
+    claimed = state.balance_rooms()
+    F, A = T.factors.matrix.toarray(), T.area
+    with mpmath.workdps(50):
+        level = [
+            mpmath.mpf(a) + mpmath.mpf(b) for a, b in zip(state.level[:, 0, 0], state.level_low[:, 0, 0], strict=True)
+        ]
+        label = state.coarse[0].label
+        h = [level[label[i]] + mpmath.mpf(state.rest[i, 0, 0]) for i in range(20)]
+        true = []
+        for i in range(20):
+            alpha = mpmath.mpf(T.absorptance[i, 0])
+            exchange = mpmath.fsum(mpmath.mpf(F[i, j]) * (h[i] - h[j] + alpha * h[j]) for j in range(20))
+            true.append(float(mpmath.mpf(state.right[i, 0, 0]) - (1 - alpha) * exchange) * state.scale[i, 0, 0])
+    assert np.abs(claimed).max() < 1e-11 * A.sum()
+    assert_allclose(claimed[:, 0], true, atol=1e-9)
+    assert T.norm(T.residual(state.radiosity(), E))[0] > 1e-7
 
 
 def test_the_slowest_mode_of_two_rooms_is_as_slow_as_asked():
