@@ -172,14 +172,13 @@ class _Irradiance:
     def balance_rooms(self) -> FloatArray:
         """Solve the light level of the rooms for the residual of the rest; gives the residual left, as a field.
 
-        Twice: the second time for what the rounding of the first left, kept in a second float64.
+        The level is kept in two float64: at α = 1e-12 one would round it by more than the rest is.
         """
-        for _ in range(2):
-            for c, coarse in enumerate(self.coarse):
-                step = coarse.solve(coarse.restrict(self.residual[:, c]))
-                self.residual[:, c] -= coarse.apply(step)
-                self.level[:, c], low = _two_sum(self.level[:, c], step)
-                self.level_low[:, c] += low
+        for c, coarse in enumerate(self.coarse):
+            step = coarse.solve(coarse.restrict(self.residual[:, c]))
+            self.residual[:, c] -= coarse.apply(step)
+            self.level[:, c], low = _two_sum(self.level[:, c], step)
+            self.level_low[:, c] += low
         return (self.residual * self.scale).reshape(self.problem.source.shape)
 
     def radiosity(self) -> FloatArray:

@@ -261,6 +261,15 @@ def test_what_is_not_finite_is_refused(solver):
 
 
 @each(SOLVERS)
+@pytest.mark.parametrize("unit", [1e-200, 1e200])
+def test_any_unit_will_do(solver, unit):
+    """Squares of such light are not float64 numbers."""
+    T, E = closed_box(20, seed=3, absorptance=0.2), np.random.default_rng(0).random((20, 1))
+    result = solver(rtol=1e-11).solve(T, unit * E)
+    assert_allclose(result.radiosity / unit, Direct().solve(T, E).radiosity, rtol=1e-9)
+
+
+@each(SOLVERS)
 def test_overflow_is_foreseen(solver):
     with pytest.raises(SolverError, match="more than a float64 holds"):
         solver().solve(closed_box(10, seed=0, absorptance=1e-12), np.full((10, 1), 1e295))
