@@ -33,7 +33,6 @@ IntArray = NDArray[np.int64]
 
 FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether they agree
 CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
-LARGE = 0.25  # emitters that are more of the area than this are met by enough rays anyway
 COSTLY = 4.0  # first shadow rays over the larger of the budgets, above which emitters are too many to look at each
 NEGLIGIBLE = 1e-14  # a form factor that is rounding
 
@@ -48,18 +47,23 @@ class Emitters:
         Source face, and 1 or -1 for its front or back.
     corners : ndarray (M, 4, 3)
         Counter-clockwise seen from the emitting side, m.
-    columns : ndarray of bool (N,)
-        Patches on these faces.
+    of_patch : ndarray of int32 (N,)
+        Which of these faces each patch is on, -1 if none.
     """
 
     face: NDArray[np.int32]
     side: NDArray[np.int8]
     corners: FloatArray
-    columns: NDArray[np.bool_]
+    of_patch: NDArray[np.int32]
 
     def __len__(self) -> int:
         """Number of emitting faces M."""
         return len(self.face)
+
+    @property
+    def columns(self) -> NDArray[np.bool_]:
+        """Patches on these faces, (N,)."""
+        return self.of_patch >= 0
 
 
 def first_rays(light_rays: int) -> int:
@@ -70,9 +74,9 @@ def first_rays(light_rays: int) -> int:
 def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitters | None:
     """The emitters whose columns are worth shadow rays, or None.
 
-    None where nothing emits; where emitters are more than `LARGE` of all area (a furnace: sampling rays
-    meet them anyway, and a few shadow rays cannot tell their patches apart); and where there are so many that the
-    first shadow rays alone would be more than `COSTLY` times either budget. They count together or not at all.
+    None where nothing emits; where all of a closed scene does, so that rows would have nothing else to give way; and
+    where emitters are so many that the first shadow rays alone would be more than `COSTLY` times either budget. They
+    count together or not at all.
 
     Parameters
     ----------
@@ -80,26 +84,35 @@ def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitter
     rays, light_rays : int
         Sampling rays per patch; shadow rays per pair of a patch and an emitting face.
     """
-    columns: NDArray[np.bool_] = np.any(patches.emission > 0, axis=1)
-    if light_rays == 0 or not columns.any() or patches.area[columns].sum() > LARGE * patches.area.sum():
+    lit = np.flatnonzero((patches.emission > 0).any(axis=1))
+    if light_rays == 0 or not lit.size or (patches.closed and lit.size == len(patches)):
         return None
-    face, side = np.unique(np.stack([patches.face, patches.side], axis=1)[columns], axis=0).T
+    (face, side), number = np.unique(np.stack([patches.face, patches.side])[:, lit], axis=1, return_inverse=True)
     if len(face) * (first_rays(light_rays) + CORNER_RAYS) > COSTLY * max(rays, light_rays):
         return None
+    of_patch = np.full(len(patches), -1, dtype=np.int32)
+    of_patch[lit] = number.ravel()
     faces = patches.grid.faces
     forward = np.where(faces.quad[face, None], [0, 1, 2, 3], [0, 1, 2, 2])
     reverse = np.where(faces.quad[face, None], [0, 3, 2, 1], [0, 2, 1, 1])
     order = np.where(side[:, None] > 0, forward, reverse)
     corners = np.take_along_axis(faces.corners[face], order[:, :, None], axis=1)
-    return Emitters(face.astype(np.int32), side.astype(np.int8), corners, columns)
+    return Emitters(face.astype(np.int32), side.astype(np.int8), corners, of_patch)
 
 
-class Entries(NamedTuple):
-    """Rows begin … of the emitters' columns: lengths (rows,), indices and weights (Σ lengths,) by column."""
+class _Seen(NamedTuple):
+    """Shadow rays of pairs (pairs, count): patch of the emitter met, -1 if something else was, and kernel."""
+
+    met: NDArray[np.int32]
+    kernel: FloatArray
+
+
+class _Counted(NamedTuple):
+    """Rows as sampled: lengths (rows,), indices and hits (Σ lengths,)."""
 
     lengths: IntArray
     indices: NDArray[np.int32]
-    weights: FloatArray
+    hits: NDArray[np.int32] | FloatArray
 
 
 class DirectLight:
@@ -138,33 +151,29 @@ class DirectLight:
 
     def put_into(self, block: RowBlock, rays: int) -> RowBlock:
         """The same rows with the columns of emitters put in, as shares instead of counts."""
-        entries, traced = self._entries(block.begin, block.begin + len(block.lengths))
         _, lengths, indices, counts, to_sky, to_backs, _ = block
+        entries, traced = self._entries(block.begin, _Counted(lengths, indices, counts))
         merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.emitters.columns, *entries)
         return RowBlock(block.begin, *merged)._replace(shadow_rays=traced)
 
-    def _entries(self, begin: int, end: int) -> tuple[Entries, int]:
-        """Columns of emitters in the rows begin … end, and how many shadow rays it took."""
+    def _entries(self, begin: int, counted: _Counted) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
+        """Emitters' columns of the rows from `begin`: lengths, indices, weights. And how many shadow rays it took."""
+        end = begin + len(counted.lengths)
         faces = self.patches.faces[begin:end]
         corners = self.patches.vertices[np.where(faces < 0, faces[:, [0, 1, 2, 2]], faces)]
         exchange = exchange_area_matrix(corners, self.emitters.corners, threads=1)
         factors = exchange / self.patches.area[begin:end, None]
         row, emitter = np.nonzero(factors > NEGLIGIBLE)
         pairs = np.stack([row + begin, emitter], axis=1)
-        met, weight = self._look(pairs, first_rays(self.light_rays))
-        met_at_corners, weight_at_corners = self._look(pairs, CORNER_RAYS, corners=True)
-        undecided = _disagree(np.hstack([met, met_at_corners]), np.hstack([weight, weight_at_corners]))
-        more_met, more_weight = self._look(pairs[undecided], self.light_rays)
-        entries = _collect(
-            row, factors[row, emitter], undecided, met, weight, more_met, more_weight, end - begin, len(self.patches)
-        )
-        return Entries(*entries), met.size + met_at_corners.size + more_met.size
+        first = self._look(pairs, first_rays(self.light_rays))
+        at_corners = self._look(pairs, CORNER_RAYS, corners=True)
+        undecided = _disagree(np.hstack([first.met, at_corners.met]), np.hstack([first.kernel, at_corners.kernel]))
+        more = self._look(pairs[undecided], self.light_rays)
+        entries = _collect(row, emitter, factors[row, emitter], undecided, first, more, counted, self.emitters.of_patch)
+        return entries, first.met.size + at_corners.met.size + more.met.size
 
-    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> tuple[NDArray[np.int32], FloatArray]:
-        """Patch of the emitter met by each of `count` shadow rays of each pair, -1 if something else is; their kernels.
-
-        Both (pairs, count). Between points spread over both polygons, or between their corners.
-        """
+    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> _Seen:
+        """Send `count` shadow rays for each pair, between points spread over both polygons or between their corners."""
         origins = np.empty((len(pairs) * count, 3), dtype=np.float32)
         directions = np.empty_like(origins)
         weight = np.empty((len(pairs), count))
@@ -172,7 +181,7 @@ class DirectLight:
         _shadow_rays(self.ground, pairs, points, not corners, self.run, origins, directions, weight)
         met = self.tracer.run(origins, directions).reshape(weight.shape)
         _only_emitters(self.ground, pairs, met)
-        return met, weight
+        return _Seen(met, weight)
 
 
 def _corner_points() -> NDArray[np.uint32]:
@@ -277,35 +286,61 @@ def _disagree(met, weight):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _collect(row, factor, undecided, met, weight, more_met, more_weight, rows, count):  # type: ignore[no-untyped-def]
-    """Row lengths, columns in order, and weights: each pair's factor shared out by where its rays arrived."""
-    lengths = np.zeros(rows, dtype=np.int64)
-    indices = np.empty(met.size + more_met.size, dtype=np.int32)
-    weights = np.empty(met.size + more_met.size)
-    tally = np.zeros(count)
-    filled = p = more = 0
+def _collect(row, emitter, factor, undecided, first, more, counted, of_patch):  # type: ignore[no-untyped-def]
+    """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
+
+    Which of them gets how much is what the shadow rays that got through and the sampling rays that met the emitter
+    say together. Both are right on average; they count as n : C, where n = (Σ k)² / Σ k² is how many rays of equal
+    kernels the shadow rays are worth (Kish 1965), and C sampling rays met it: many, if it is large.
+    """
+    rows = counted.lengths.shape[0]
+    most = first.met.size + more.met.size + counted.indices.shape[0]
+    lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
+    tally, known = np.zeros(of_patch.shape[0]), np.zeros(of_patch.shape[0], np.bool_)
+    filled = p = looked = end = 0
     for k in range(rows):
-        begin = filled
+        start = filled
+        begin, end = end, end + counted.lengths[k]
         while p < row.shape[0] and row[p] == k:
-            seen, kernel = met[p], weight[p]
+            met, kernel = first.met[p], first.kernel[p]
             if undecided[p]:
-                seen, kernel = more_met[more], more_weight[more]
-                more += 1
-            total = kernel.sum()
-            for r in range(seen.shape[0]):
-                j = seen[r]
-                if j >= 0 and kernel[r] > 0.0:
-                    if tally[j] == 0.0:
-                        indices[filled] = j
-                        filled += 1
-                    tally[j] += factor[p] * (kernel[r] / total)
+                met, kernel = more.met[looked], more.kernel[looked]
+                looked += 1
+            through, squares, C = 0.0, 0.0, 0
+            for r in range(met.shape[0]):
+                if met[r] >= 0:
+                    through += kernel[r]
+                    squares += kernel[r] ** 2
+            for q in range(begin, end):
+                if of_patch[counted.indices[q]] == emitter[p]:
+                    C += counted.hits[q]
+            if through > 0.0:
+                n = through * through / squares
+                share = factor[p] * through / kernel.sum() / (n + C)
+                for r in range(met.shape[0]):
+                    if met[r] >= 0 and kernel[r] > 0.0:
+                        filled = _add(met[r], share * n * kernel[r] / through, tally, known, indices, filled)
+                for q in range(begin, end):
+                    if of_patch[counted.indices[q]] == emitter[p]:
+                        filled = _add(counted.indices[q], share * counted.hits[q], tally, known, indices, filled)
             p += 1
-        indices[begin:filled].sort()
-        for q in range(begin, filled):
-            weights[q] = tally[indices[q]]
-            tally[indices[q]] = 0.0
-        lengths[k] = filled - begin
+        indices[start:filled].sort()
+        for q in range(start, filled):
+            j = indices[q]
+            weights[q], tally[j], known[j] = tally[j], 0.0, False
+        lengths[k] = filled - start
     return lengths, indices[:filled].copy(), weights[:filled].copy()
+
+
+@numba.njit(nogil=True, cache=True, inline="always")
+def _add(j, weight, tally, known, indices, filled):  # type: ignore[no-untyped-def]
+    """Add to the tally of column j, and to the list of columns if it is new; returns the length of the list."""
+    if not known[j]:
+        known[j] = True
+        indices[filled] = j
+        filled += 1
+    tally[j] += weight
+    return filled
 
 
 @numba.njit(nogil=True, cache=True)

@@ -66,6 +66,33 @@ def test_single_patches_of_a_lamp_are_right_on_average():
     assert np.abs(z).max() < 5 and np.mean(z**2) == pytest.approx(1.0, abs=0.4)
 
 
+def test_a_large_emitter_keeps_what_sampling_rays_know_of_its_patches():
+    """A luminous ceiling of 150 patches: sums over it are exact, single factors at least as good as counted ones."""
+    room = rad.scenes.furnace(emission=0.0, size=2.0)
+    glow = rad.Material(0.5, emission=1.0)
+    surfaces = [replace(s, material=glow) if s.name == "ceiling" else s for s in room.surfaces]
+    patches = rad.subdivide(rad.Scene(surfaces, closed=True), patch_count=900)
+    lit = patches.emission[:, 0] > 0
+    exact = (exchange_area_matrix(patches.corners) / patches.area[:, None])[:, lit]
+    apart, plain = (
+        rad.form_factors(patches, rad.MonteCarlo(512, light_rays=n), dtype=np.float64).matrix.toarray()[:, lit]
+        for n in (256, 0)
+    )
+    assert apart.sum(axis=1) == pytest.approx(exact.sum(axis=1), rel=1e-9, abs=1e-15)
+    errors = [np.linalg.norm(found - exact) / np.linalg.norm(exact) for found in (apart, plain)]
+    assert errors[0] < 1.02 * errors[1]
+
+
+def test_glowing_plates_under_a_sky_are_exact():
+    """All of it emits; what goes to the sky gives way."""
+    patches = rad.subdivide(rad.scenes.parallel_plates(), patch_count=200)
+    patches = replace(patches, emission=np.ones_like(patches.emission))
+    assert not patches.closed
+    factors = rad.form_factors(patches, rad.MonteCarlo(64), dtype=np.float64)
+    exact = exchange_area_matrix(patches.corners).sum(axis=1) / patches.area
+    assert factors.to_sky == pytest.approx(1 - exact, abs=1e-9)
+
+
 def test_both_sides_of_a_two_sided_lamp():
     ceiling = panel("ceiling", (0, 2), (0, 2), 1.5, rad.Material(0.5), up=False)
     patches = rad.subdivide(floor_and_lamp(ceiling, two_sided=True), patch_count=150)
@@ -169,7 +196,7 @@ def test_without_light_rays_rows_are_plain_counts():
 
 
 @pytest.mark.parametrize("scene", ["furnace", "many"])
-def test_emitters_that_are_large_or_many_are_left_to_the_rays(scene):
+def test_emitters_that_are_all_there_is_or_many_are_left_to_the_rays(scene):
     if scene == "furnace":
         patches = rad.subdivide(rad.scenes.furnace(), patch_count=150)
     else:
