@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from radiosity.errors import MemoryLimitError, SolverError
 from radiosity.form_factors.factors import FormFactors
@@ -42,3 +43,16 @@ def test_conjugate_gradient_stops_where_rounding_stops_it():
     result = ConjugateGradient(rtol=1e-30).solve(T, E)
     assert not result.converged and "its rounding is reached" in result.status
     assert result.statistics["solver/steps"] < 200 and result.history[-1].max() < 1e-14
+
+
+def test_conjugate_gradient_goes_on_past_rounding_without_harm():
+    """A lamp that lights patches which see nothing else, and lone patches: done after one step, then asked for more."""
+    F = np.zeros((12, 12))
+    F[0, 1:7] = 0.1
+    F[1:7, 0] = 0.1
+    T = TransportOperator(FormFactors.from_matrix(F, np.ones(12)), reflectance=0.8)
+    E, sky = np.where(np.arange(12) == 0, 5.0, 0.0)[:, None], [1.0]
+    steps = list(ConjugateGradient(rtol=0.0, maxiter=40, check=8).iterate(T, E, sky))
+    true = Direct().solve(T, E, sky).radiosity
+    for step in steps[1:]:
+        assert_allclose(step.radiosity, true, rtol=1e-13)
