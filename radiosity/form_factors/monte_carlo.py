@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,7 +19,7 @@ from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
 from .assembly import RowBlock, Rows, count_hits, stack_rows
 from .direct_light import DirectLight, worthwhile_emitters
 
-LIGHT_RAYS = 256
+LEAST_LIGHT_RAYS = 256  # by default
 DIRECT = 1 << 40  # which of the numbers below a replicate's key are for shadow rays: no patch's
 BATCH = 1 << 16  # rays at a time: their arrays stay in cache, and calls into Embree are few
 
@@ -44,7 +45,8 @@ class MonteCarlo:
     light_rays : int, optional
         Shadow rays between a patch and an emitting face, over all replicates, where the first sixteenth of them
         disagrees: see `direct_light`, which says when emitters are left to the sampling rays instead. 0 leaves them to
-        those always, and every row is then a plain count. By default 256 with Sobol points and 0 with random numbers.
+        those always, and every row is then a plain count. By default a quarter of the rays and at least 256, which
+        makes the errors of direct and indirect light about equal; 0 with random numbers.
 
     Notes
     -----
@@ -60,8 +62,6 @@ class MonteCarlo:
 
     def __post_init__(self) -> None:
         seed_key(self.seed)
-        if self.light_rays is None:
-            object.__setattr__(self, "light_rays", LIGHT_RAYS if self.sampling == "sobol" else 0)
         if self.replicates < 1:
             raise ParameterError(f"replicates is {self.replicates}; give at least 1")
         if self.rays < self.replicates or self.rays % self.replicates:
@@ -70,11 +70,18 @@ class MonteCarlo:
             )
         if self.sampling not in ("sobol", "random"):
             raise ParameterError(f"sampling is {self.sampling!r}; give 'sobol' or 'random'")
+        if self.light_rays is None:
+            object.__setattr__(self, "light_rays", self._balanced_light_rays() if self.sampling == "sobol" else 0)
         if self.light_rays < 0 or self.light_rays % self.replicates:
             raise ParameterError(
                 f"light_rays is {self.light_rays} with {self.replicates} replicates; give 0 or a positive multiple of "
                 "the replicates"
             )
+
+    def _balanced_light_rays(self) -> int:
+        """The default: a power of two for each replicate."""
+        each = max(LEAST_LIGHT_RAYS, self.rays // 4) / self.replicates
+        return self.replicates * (1 << math.ceil(math.log2(max(each, 2))))
 
     @property
     def binomial_rays(self) -> int | None:

@@ -289,6 +289,12 @@ def test_light_rays_that_make_no_estimate(kwargs, message):
         rad.MonteCarlo(**kwargs)
 
 
+def test_the_default_balances_direct_and_indirect_light():
+    budgets = {(64, 1): 256, (1024, 1): 256, (4096, 1): 1024, (16384, 1): 4096, (300, 3): 384, (2048, 16): 512}
+    assert {key: rad.MonteCarlo(key[0], replicates=key[1]).light_rays for key in budgets} == budgets
+    assert rad.MonteCarlo(4096, sampling="random").light_rays == 0
+
+
 def test_a_sixteenth_is_sent_first():
     assert [first_rays(n) for n in (8, 64, 256, 1024)] == [2, 4, 16, 64]
 
