@@ -43,7 +43,7 @@ def seed_key(seed: int, *counters: int) -> np.uint64:
     ParameterError
         If the seed is not an integer ≥ 0 that fits 63 bits.
 
-    >>> seed_key(0) == seed_key(0), seed_key(0) == seed_key(1)
+    >>> bool(seed_key(0) == seed_key(0)), bool(seed_key(0) == seed_key(1))
     (True, False)
     """
     if not isinstance(seed, (int, np.integer)) or not 0 <= seed < 1 << 63:

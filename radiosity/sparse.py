@@ -131,10 +131,11 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
     columns = np.asarray(columns)
     if columns.shape[0] != matrix.shape[1]:
         raise ValueError(f"matrix has {matrix.shape[1]} columns but the light has {columns.shape[0]} rows")
-    flat = np.ascontiguousarray(columns.reshape(columns.shape[0], -1), dtype=np.float64)
-    out = np.empty((matrix.shape[0], flat.shape[1]))
+    width = int(np.prod(columns.shape[1:], dtype=np.int64))
+    flat = np.ascontiguousarray(columns.reshape(columns.shape[0], width), dtype=np.float64)
+    out = np.empty((matrix.shape[0], width))
     arrays = matrix.indptr, matrix.indices, matrix.data, flat
-    band = max(1, BAND_BYTES // (8 * flat.shape[1])) if matrix.has_sorted_indices else matrix.shape[1]
+    band = max(1, BAND_BYTES // (8 * max(1, width))) if matrix.has_sorted_indices else matrix.shape[1]
 
     def rows(block: tuple[int, int]) -> None:
         if flat.shape[1] in (1, 3):

@@ -197,8 +197,9 @@ class FormFactors:
 
         Examples
         --------
-        >>> raw = FormFactors.from_matrix([[0.0, 0.5], [0.3, 0.0]], area=[1.0, 2.0])
-        >>> even = raw.conserved()
+        >>> import radiosity as rad
+        >>> patches = rad.subdivide(rad.scenes.furnace())
+        >>> even = rad.form_factors(patches, rad.MonteCarlo(rays=64, replicates=2)).conserved()
         >>> even.reciprocity_defect
         0.0
         >>> float(np.max(np.abs(even.closure_defect))) < 1e-15

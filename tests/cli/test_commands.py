@@ -48,7 +48,7 @@ def test_solve_writes_what_the_api_computes(place, capsys):
     assert found.orders.tobytes() == solution.orders.tobytes()
     assert (place / "a.vtp").stat().st_size > 10_000
     told = capsys.readouterr()
-    assert told.err.split() == ["wrote", "a.npz", "wrote", "a.vtp"]
+    assert told.err.split()[-4:] == ["wrote", "a.npz", "wrote", "a.vtp"]  # after a word on compiling, the first time
     assert f"{len(found.patches):,} on 8 surfaces, open" in told.out
     assert f"{found.factors.matrix.nnz:,} (" in told.out
     assert "cut at 3 bounces, as asked" in told.out

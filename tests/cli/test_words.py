@@ -97,7 +97,7 @@ def test_words_that_make_no_sense(words, said, capsys):
         (["solve", "."], "is a folder"),
         (
             ["solve", "furnace", "-o", "furnace.docx"],
-            "'.docx' is not written here; choose from .npz, .vtp, .html, .png",
+            "'.docx' is not written here; choose from .npz, .vtp, .html",
         ),
         (["solve", "furnace", "-o", "none/furnace.npz"], "there is no folder none; make it first"),
         (["solve", "furnace", "-o", "folder.npz"], "it is a folder"),
