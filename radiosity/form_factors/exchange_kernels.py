@@ -37,11 +37,12 @@ FloatArray = NDArray[np.float64]
 ON_PLANE = 1e-12  # height over a plane, in units of the pair's extent, that is rounding
 
 # Radii of a polygon from its centre to the other one …
-APART = np.array([1000.0, 50.0, 12.0, 6.0, 3.3, 2.5, 2.0])
+APART = np.array([1000.0, 50.0, 12.0, 6.0, 3.3, 2.5])
 # … and the points per direction of a Gauss rule with which the exchange area is then off by 1e-9 of itself at most,
 # measured on squares, quads and triangles in thousands of positions.
-RULES = np.array([2, 3, 4, 5, 6, 7, 8])
-SCRATCH_POINTS = 2 * 8 * 8  # a polygon of five corners is two quads
+RULES = np.array([2, 3, 4, 5, 6, 7])
+LAMBERT_RULE = 4  # the largest rule with which Lambert's formula at every point costs less than the contours
+SCRATCH_POINTS = 2 * 7 * 7  # a polygon of five corners is two quads
 
 ALL, LATER, SAME = 0, 1, 2  # which columns a row is paired with: every one, those after it, the one of its number
 
@@ -92,32 +93,32 @@ def _rule(ratio: float) -> int:
 
 
 @kernel
-def _height(points: FloatArray, k: int, plane: FloatArray, normal: FloatArray) -> float:
+def _height(points: FloatArray, k: int, frame: FloatArray) -> float:
     return (
-        (points[0, k] - plane[0, 0]) * normal[0]
-        + (points[1, k] - plane[0, 1]) * normal[1]
-        + (points[2, k] - plane[0, 2]) * normal[2]
+        (points[0, k] - frame[3]) * frame[0]
+        + (points[1, k] - frame[4]) * frame[1]
+        + (points[2, k] - frame[5]) * frame[2]
     )
 
 
 @kernel
 def _both_apart(p_rule: int, q_rule: int, work: Scratch) -> float:
     """G by Gauss rules over both areas: 1/π ΣΣ w h w' h' / r⁴, with h the height of a point over the other's plane."""
-    p, q, x, y, sums = work.p, work.q, work.x, work.y, work.sums
-    p_count = polygon_points(p, int(work.p_frame[7]), work.p_frame, p_rule, x)
-    q_count = polygon_points(q, int(work.q_frame[7]), work.q_frame, q_rule, y)
+    x, y, sums = work.x, work.y, work.sums
+    p_count = polygon_points(work.p, int(work.p_frame[7]), work.p_frame, p_rule, x)
+    q_count = polygon_points(work.q, int(work.q_frame[7]), work.q_frame, q_rule, y)
     for j in range(q_count):
         sums[j] = 0.0
     for i in range(p_count):
         px, py, pz = x[0, i], x[1, i], x[2, i]
-        weight = x[3, i] * _height(x, i, q, work.q_frame)
+        weight = x[3, i] * _height(x, i, work.q_frame)
         for j in range(q_count):
             dx, dy, dz = y[0, j] - px, y[1, j] - py, y[2, j] - pz
             r2 = dx * dx + dy * dy + dz * dz
             sums[j] += weight / (r2 * r2)
     total = 0.0
     for j in range(q_count):
-        total += sums[j] * y[3, j] * _height(y, j, p, work.p_frame)
+        total += sums[j] * y[3, j] * _height(y, j, work.p_frame)
     return total / math.pi
 
 
@@ -178,7 +179,7 @@ def _unclipped(extent: float, work: Scratch) -> float:
         p, q, f, g = q, p, g, f
     away = math.sqrt(distance2_to_polygon(f[3], f[4], f[5], q, int(g[7]), g))
     rule = _rule(away / f[6])
-    if rule > 0:
+    if 0 < rule <= LAMBERT_RULE:
         return _one_apart(p, f, rule, q, int(g[7]), work.x)
     # Nothing that is in front of a front is negative: what is below zero is rounding, 1e-16 of the extent squared.
     return max(0.0, contour_integral(extent, work))
@@ -223,10 +224,10 @@ def exchange(a: FloatArray, a_frame: FloatArray, b: FloatArray, b_frame: FloatAr
     dx, dy, dz = b_frame[3] - a_frame[3], b_frame[4] - a_frame[4], b_frame[5] - a_frame[5]
     extent = math.sqrt(dx * dx + dy * dy + dz * dz) + a_frame[6] + b_frame[6]
     tolerance = ON_PLANE * extent
-    q_low, q_high = heights_over(b, int(b_frame[7]), a[0], a_frame, work.q_heights)
+    q_low, q_high = heights_over(b, int(b_frame[7]), a_frame, work.q_heights)
     if q_high <= tolerance:
         return 0.0
-    p_low, p_high = heights_over(a, int(a_frame[7]), b[0], b_frame, work.p_heights)
+    p_low, p_high = heights_over(a, int(a_frame[7]), b_frame, work.p_heights)
     if p_high <= tolerance:
         return 0.0
     _take(a, a_frame, a_frame, work.p, work.p_frame)

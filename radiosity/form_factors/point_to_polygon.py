@@ -54,21 +54,23 @@ def point_rows(
     out: FloatArray,
 ) -> None:
     """Form factors from the elements begin … end to all polygons, into rows of out (n, m)."""
-    seen, cut, origin = np.zeros((MAX_CORNERS, 3)), np.zeros((MAX_CORNERS, 3)), np.zeros(3)
+    seen, cut, horizon = np.zeros((MAX_CORNERS, 3)), np.zeros((MAX_CORNERS, 3)), np.zeros(6)
     heights, gauss = np.zeros(MAX_CORNERS), np.zeros((4, 2 * FAR_RULE * FAR_RULE))
     for i in range(begin, end):
+        for x in range(3):
+            horizon[x] = normals[i, x]
         for j in range(len(polygons)):
             out[i, j] = 0.0
             count = int(frames[j, 7])
             distance2, over = 0.0, 0.0
             for x in range(3):
                 distance2 += (frames[j, 3 + x] - points[i, x]) ** 2
-                over += (points[i, x] - polygons[j, 0, x]) * frames[j, x]
+                over += (points[i, x] - frames[j, 3 + x]) * frames[j, x]
                 for k in range(count):
                     seen[k, x] = polygons[j, k, x] - points[i, x]
             distance, radius = math.sqrt(distance2), frames[j, 6]
             tolerance = ON_PLANE * (distance + radius)
-            low, high = heights_over(seen, count, origin, normals[i], heights)
+            low, high = heights_over(seen, count, horizon, heights)
             if over <= tolerance or high <= tolerance:
                 continue
             corners = seen

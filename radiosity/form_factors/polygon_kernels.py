@@ -16,7 +16,7 @@ from .kernel import angle, kernel
 
 FloatArray = NDArray[np.float64]
 
-MAX_CORNERS = 5  # of a quad cut by one plane
+MAX_CORNERS = 6  # of a quad cut by one plane: five if it is flat, six if it is bent across it
 
 
 @kernel
@@ -42,15 +42,13 @@ def clip_to_front(corners: FloatArray, count: int, heights: FloatArray, toleranc
 
 
 @kernel
-def heights_over(
-    corners: FloatArray, count: int, plane: FloatArray, normal: FloatArray, out: FloatArray
-) -> tuple[float, float]:
-    """Signed distances of corners from the plane through a point; returns the lowest and the highest."""
+def heights_over(corners: FloatArray, count: int, frame: FloatArray, out: FloatArray) -> tuple[float, float]:
+    """Signed distances of corners from the plane of a frame; returns the lowest and the highest."""
     low, high = 1e300, -1e300
     for k in range(count):
         height = 0.0
         for x in range(3):
-            height += (corners[k, x] - plane[x]) * normal[x]
+            height += (corners[k, x] - frame[3 + x]) * frame[x]
         out[k] = height
         low, high = min(low, height), max(high, height)
     return low, high

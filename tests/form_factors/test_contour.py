@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from radiosity.errors import GeometryError, ParameterError
 from radiosity.form_factors import closed_forms as cf
 from radiosity.form_factors.contour import exchange_area, exchange_area_matrix, exchange_areas
+from radiosity.form_factors.polygon_kernels import MAX_CORNERS, clip_to_front
 from tests.form_factors import exact_pairs
 from tests.truths import FOLDER
 
@@ -211,6 +212,15 @@ def test_a_tiny_square_under_a_huge_one_relative(size, height):
     assert exchange_area(tiny, ceiling(height)) == pytest.approx(true, rel=1e-8, abs=0)
 
 
+@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
+def test_a_tiny_wall_on_a_huge_floor_relative(size):
+    """Edges along each other, one a millionth of the other: closed forms for parallel edges would lose the tiny one."""
+    place = ((0, size), (0.4, 0.4 + size), (0, 1), (0, 1))
+    wall = rectangle((0.4, 0, 0), (0, 0, size), (size, 0, 0))  # its foot lies on an edge of the floor
+    true = cf.perpendicular_rectangles_offset(*place) * size * np.diff(place[1])[0]
+    assert exchange_area(wall, FLOOR) == pytest.approx(true, rel=1e-8, abs=0)
+
+
 # What holds for any polygons
 
 
@@ -375,6 +385,16 @@ def test_quads_bent_by_rounding_or_by_a_tenth_of_a_degree_are_taken():
     bent = ceiling(1.0)
     bent[0, 2] += 0.5 * math.radians(0.1) * math.sqrt(2)
     assert exchange_area(FLOOR, bent) == pytest.approx(exchange_area(FLOOR, ceiling(1.0)), rel=2e-3)
+
+
+def test_a_bent_quad_in_the_plane_of_another_is_cut_into_six_corners():
+    """Its corners lie on either side in turn, as those of a wall's patches do where files hold rounded numbers."""
+    bend, out = 2e-4, np.zeros((MAX_CORNERS, 3))
+    saddle = FLOOR + bend * np.array([[0, 0, 1], [0, 0, -1], [0, 0, 1], [0, 0, -1]])
+    heights = saddle[:, 2] + bend / 2
+    assert clip_to_front(saddle, 4, heights, 1e-12, out) == MAX_CORNERS
+    assert 0 <= exchange_area(FLOOR * 3 - [1, 1, 0], saddle - [0, 0, bend / 2]) < bend
+    assert 0 <= exchange_area(FLOOR * 3 - [1, 1, 0], saddle[::-1] + [0, 0, bend / 2]) < 1.0
 
 
 @pytest.mark.parametrize(

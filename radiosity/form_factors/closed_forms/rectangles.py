@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from itertools import product
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ Rectangle = tuple[Interval, Interval]
 
 APART = 3.0  # radii from the centre of a rectangle to the other one, from which a Gauss rule is exact to 1e-13 …
 RULE = 10  # … with so many points along each side
+HUGE = 20.0  # ratio of sizes from which a rectangle that touches a small one is cut up around it
 
 
 def parallel_rectangles(a: float, b: float, distance: float) -> float:
@@ -213,7 +214,7 @@ def _exchange_area(layout: _Layout, first: Rectangle, second: Rectangle) -> floa
     """Exchange area of two rectangles, by the way that keeps its digits.
 
     The closed form takes sixteen terms as large as the pair from each other. What is far, or small and at a distance,
-    is a smooth integral instead.
+    is a smooth integral instead, and so is all but the nearest part of what is huge.
     """
     if _radius(first) > _radius(second):
         first, second = second, first
@@ -224,6 +225,10 @@ def _exchange_area(layout: _Layout, first: Rectangle, second: Rectangle) -> floa
     near_u, near_v = _clamped(layout.foot(u), second[0]), _clamped(v, second[1])
     if layout.distance2(u, near_u, v - near_v) > (APART * _radius(first)) ** 2:
         return _one_apart(layout, first, second)
+    if _radius(second) > HUGE * _radius(first):
+        near = 0.5 * HUGE * _radius(first)
+        pieces = product(_split(second[0], near_u, near), _split(second[1], near_v, near))
+        return sum(_exchange_area(layout, first, piece) for piece in pieces)
     total = 0.0
     for i, j, k, m in product((0, 1), repeat=4):
         sign = (-1) ** (i + j + k + m)
@@ -263,6 +268,13 @@ def _centre(rectangle: Rectangle) -> tuple[float, float]:
 def _radius(rectangle: Rectangle) -> float:
     (a, b), (c, d) = rectangle
     return 0.5 * math.hypot(b - a, d - c)
+
+
+def _split(interval: Interval, at: float, near: float) -> list[Interval]:
+    """What of an interval is near a place, and what is beyond on either side."""
+    low, high = interval
+    cuts = [low, *(cut for cut in (at - near, at + near) if low < cut < high), high]
+    return list(pairwise(cuts))
 
 
 def _clamped(value: float, interval: Interval) -> float:
