@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -100,21 +101,37 @@ def stack_rows(
     return Rows(matrix, to_sky, to_backs, shadow_rays)
 
 
-@numba.njit(nogil=True, cache=True)
-def count_hits(hits, rows, count):  # type: ignore[no-untyped-def]
-    """Hits (rows × rays,) of one block to row lengths, sorted columns, counts, and counts to sky and backs.
+class _Room(threading.local):
+    """Where a thread counts: hits of N patches, a bit for each that was hit, one for every 64 of those; all zero."""
 
-    A bit for every patch that was hit, and a bit for every 64 of those, give the columns in order without sorting them.
-    """
+    tally = np.empty(0, dtype=np.int32)
+
+    def of(self, count: int) -> tuple[NDArray[np.int32], NDArray[np.uint64], NDArray[np.uint64]]:
+        """Arrays for `count` patches, kept from one block to the next: touching new memory costs more than counting."""
+        if len(self.tally) != count:
+            self.tally = np.zeros(count, dtype=np.int32)
+            self.marks = np.zeros((count >> 6) + 1, dtype=np.uint64)
+            self.groups = np.zeros((count >> 12) + 1, dtype=np.uint64)
+        return self.tally, self.marks, self.groups
+
+
+_room = _Room()
+
+
+def count_hits(hits: NDArray[np.int32], rows: int, count: int) -> Any:
+    """Hits (rows × rays,) of one block to row lengths, sorted columns, counts, and counts to sky and backs."""
+    return _count_hits(hits, rows, *_room.of(count))
+
+
+@numba.njit(nogil=True, cache=True)
+def _count_hits(hits, rows, tally, marks, groups):  # type: ignore[no-untyped-def]
+    """`count_hits`. The bits give the columns in order without a sort; what was written is zero again at the end."""
     rays = hits.shape[0] // rows
     lengths = np.empty(rows, dtype=np.int64)
     indices = np.empty(hits.shape[0], dtype=np.int32)
     counts = np.empty(hits.shape[0], dtype=np.int32)
     to_sky = np.zeros(rows, dtype=np.int64)
     to_backs = np.zeros(rows, dtype=np.int64)
-    tally = np.zeros(count, dtype=np.int32)
-    marks = np.zeros((count >> 6) + 1, dtype=np.uint64)
-    groups = np.zeros((count >> 12) + 1, dtype=np.uint64)
     filled = 0
     for k in range(rows):
         begin = filled

@@ -49,12 +49,15 @@ class Emitters:
         Counter-clockwise seen from the emitting side, m.
     of_patch : ndarray of int32 (N,)
         Which of these faces each patch is on, -1 if none.
+    place : ndarray of int32 (N,)
+        Number of each patch among those on these faces, -1 if it is on none.
     """
 
     face: NDArray[np.int32]
     side: NDArray[np.int8]
     corners: FloatArray
     of_patch: NDArray[np.int32]
+    place: NDArray[np.int32]
 
     def __len__(self) -> int:
         """Number of emitting faces M."""
@@ -90,14 +93,14 @@ def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitter
     (face, side), number = np.unique(np.stack([patches.face, patches.side])[:, lit], axis=1, return_inverse=True)
     if len(face) * (first_rays(light_rays) + CORNER_RAYS) > COSTLY * max(rays, light_rays):
         return None
-    of_patch = np.full(len(patches), -1, dtype=np.int32)
-    of_patch[lit] = number.ravel()
+    of_patch, place = np.full((2, len(patches)), -1, dtype=np.int32)
+    of_patch[lit], place[lit] = number.ravel(), np.arange(lit.size)
     faces = patches.grid.faces
     forward = np.where(faces.quad[face, None], [0, 1, 2, 3], [0, 1, 2, 2])
     reverse = np.where(faces.quad[face, None], [0, 3, 2, 1], [0, 2, 1, 1])
     order = np.where(side[:, None] > 0, forward, reverse)
     corners = np.take_along_axis(faces.corners[face], order[:, :, None], axis=1)
-    return Emitters(face.astype(np.int32), side.astype(np.int8), corners, of_patch)
+    return Emitters(face.astype(np.int32), side.astype(np.int8), corners, of_patch, place)
 
 
 class _Seen(NamedTuple):
@@ -113,6 +116,14 @@ class _Counted(NamedTuple):
     lengths: IntArray
     indices: NDArray[np.int32]
     hits: NDArray[np.int32] | FloatArray
+
+
+class _Places(NamedTuple):
+    """`Emitters.of_patch` and `Emitters.place` (N,), and how many patches emit."""
+
+    of_patch: NDArray[np.int32]
+    place: NDArray[np.int32]
+    emitting: int
 
 
 class DirectLight:
@@ -135,6 +146,7 @@ class DirectLight:
     ) -> None:
         self.patches, self.tracer, self.emitters, self.run = patches, tracer, emitters, run
         self.light_rays = light_rays
+        self.columns = emitters.columns
         ones = np.ones_like(tracer.table.columns)
         self.ground = _Ground(
             tracer.table,
@@ -153,7 +165,7 @@ class DirectLight:
         """The same rows with the columns of emitters put in, as shares instead of counts."""
         _, lengths, indices, counts, to_sky, to_backs, _ = block
         entries, traced = self._entries(block.begin, _Counted(lengths, indices, counts))
-        merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.emitters.columns, *entries)
+        merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.columns, *entries)
         return RowBlock(block.begin, *merged)._replace(shadow_rays=traced)
 
     def _entries(self, begin: int, counted: _Counted) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
@@ -169,7 +181,8 @@ class DirectLight:
         at_corners = self._look(pairs, CORNER_RAYS, corners=True)
         undecided = _disagree(np.hstack([first.met, at_corners.met]), np.hstack([first.kernel, at_corners.kernel]))
         more = self._look(pairs[undecided], self.light_rays)
-        entries = _collect(row, emitter, factors[row, emitter], undecided, first, more, counted, self.emitters.of_patch)
+        places = _Places(self.emitters.of_patch, self.emitters.place, int(self.columns.sum()))
+        entries = _collect(row, emitter, factors[row, emitter], undecided, first, more, counted, places)
         return entries, first.met.size + at_corners.met.size + more.met.size
 
     def _look(self, pairs: IntArray, count: int, corners: bool = False) -> _Seen:
@@ -286,7 +299,7 @@ def _disagree(met, weight):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _collect(row, emitter, factor, undecided, first, more, counted, of_patch):  # type: ignore[no-untyped-def]
+def _collect(row, emitter, factor, undecided, first, more, counted, places):  # type: ignore[no-untyped-def]
     """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
 
     Which of them gets how much is what the shadow rays that got through and the sampling rays that met the emitter
@@ -296,7 +309,8 @@ def _collect(row, emitter, factor, undecided, first, more, counted, of_patch):  
     rows = counted.lengths.shape[0]
     most = first.met.size + more.met.size + counted.indices.shape[0]
     lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
-    tally, known = np.zeros(of_patch.shape[0]), np.zeros(of_patch.shape[0], np.bool_)
+    of_patch, place = places.of_patch, places.place
+    tally, known = np.zeros(places.emitting), np.zeros(places.emitting, np.bool_)
     filled = p = looked = end = 0
     for k in range(rows):
         start = filled
@@ -319,27 +333,28 @@ def _collect(row, emitter, factor, undecided, first, more, counted, of_patch):  
                 share = factor[p] * through / kernel.sum() / (n + C)
                 for r in range(met.shape[0]):
                     if met[r] >= 0 and kernel[r] > 0.0:
-                        filled = _add(met[r], share * n * kernel[r] / through, tally, known, indices, filled)
+                        filled = _add(met[r], share * n * kernel[r] / through, place, tally, known, indices, filled)
                 for q in range(begin, end):
                     if of_patch[counted.indices[q]] == emitter[p]:
-                        filled = _add(counted.indices[q], share * counted.hits[q], tally, known, indices, filled)
+                        filled = _add(counted.indices[q], share * counted.hits[q], place, tally, known, indices, filled)
             p += 1
         indices[start:filled].sort()
         for q in range(start, filled):
-            j = indices[q]
-            weights[q], tally[j], known[j] = tally[j], 0.0, False
+            c = place[indices[q]]
+            weights[q], tally[c], known[c] = tally[c], 0.0, False
         lengths[k] = filled - start
     return lengths, indices[:filled].copy(), weights[:filled].copy()
 
 
 @numba.njit(nogil=True, cache=True, inline="always")
-def _add(j, weight, tally, known, indices, filled):  # type: ignore[no-untyped-def]
+def _add(j, weight, place, tally, known, indices, filled):  # type: ignore[no-untyped-def]
     """Add to the tally of column j, and to the list of columns if it is new; returns the length of the list."""
-    if not known[j]:
-        known[j] = True
+    c = place[j]
+    if not known[c]:
+        known[c] = True
         indices[filled] = j
         filled += 1
-    tally[j] += weight
+    tally[c] += weight
     return filled
 
 
