@@ -82,6 +82,7 @@ def read_gltf(path: Path, notes: Notes) -> Scene:
             surfaces.append(Surface(name, part.vertices, part.faces, material))
         else:
             surfaces += surfaces_by_colour(name, part.vertices, part.faces, part.colours, material, notes)
+    notes.exact = reader.exact and our_extras(reader.scene) is not None
     return _scene(reader.scene, surfaces, path)
 
 
@@ -112,6 +113,7 @@ class _Reader:
         self, document: JSON, accessors: Accessors, notes: Notes, materials: list[Material], pictures: Pictures
     ) -> None:
         self.accessors, self.notes, self.materials, self.pictures = accessors, notes, materials, pictures
+        self.exact = True  # until a surface turns out to have been changed by others
         self.nodes = checked.mappings(document, "nodes", "glTF")
         self.meshes = checked.mappings(document, "meshes", "glTF")
         self.scene = self._chosen_scene(document)
@@ -205,6 +207,7 @@ class _Reader:
             exact = exact_geometry(extras, self.accessors, positions, triangles, "extras") if identity else None
             if exact is not None:
                 return exact
+            self.exact = False
             self.notes.say(f"surface {name!r} was changed since its exact mesh was written; the changed one counts")
         vertices = positions.astype(np.float64)
         return (vertices, triangles) if identity else _transformed(vertices, triangles, matrix)

@@ -18,10 +18,13 @@ class Notes:
         Feature → where it was met, for features that a diffuse solver does not use.
     replaced : list of str
         Sentences about what is taken otherwise than the file has it.
+    exact : bool
+        Whether this package wrote the file, so that the scene comes back as it was.
     """
 
     unused: dict[str, list[str]] = field(default_factory=dict)
     replaced: list[str] = field(default_factory=list)
+    exact: bool = False
 
     def skip(self, feature: str, where: str) -> None:
         """A feature is not used."""

@@ -7,10 +7,13 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..contacts import remove_contacts
+from ..contacts.report import listed
 from ..errors import FileFormatError, GeometryWarning, MissingFileError, ParameterError, RadiosityError
 from ..overlaps import overlaps
 from ..scene import Material, Scene, Surface
@@ -23,6 +26,11 @@ from .stl import read_stl
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 """Metres in each unit of length that `read_scene` knows."""
+
+NO_CUT = (
+    "faces that lie back to back are seen from either side, but rays cannot tell which is in front: leave a gap of "
+    "more than 1e-5 of the scene's diagonal, or make one two-sided face of them"
+)
 
 READERS: dict[str, Callable[[Path, Notes], Scene]] = {
     ".glb": read_gltf,
@@ -42,6 +50,7 @@ def read_scene(
     sky: ArrayLike | None = None,
     lamps: Mapping[str, ArrayLike] | None = None,
     name: str | None = None,
+    contacts: Literal["cut", "keep"] | None = None,
 ) -> Scene:
     """Read a scene from .glb, .gltf, .obj (with its .mtl), .ply, .stl or .off.
 
@@ -61,6 +70,10 @@ def read_scene(
         Exitance, W/m², that surfaces emit, by the name of the surface or of its material.
     name : str, optional
         Name of the scene; the file's own, or the file's name, if not given.
+    contacts : {"cut", "keep"}, optional
+        What becomes of faces that lie in each other, as a floor and the bottom of a box that stands on it: cut away, as
+        `radiosity.contacts` says, or kept and only named. By default they are cut, but in files that `write_scene`
+        made, which come back as the scene that was written.
 
     Returns
     -------
@@ -75,15 +88,17 @@ def read_scene(
     SceneError
         A file without surfaces, or with values that no scene can have.
     ParameterError
-        An unknown unit, or a name in `materials` or `lamps` that the scene does not have.
+        An unknown unit or word for `contacts`, or a name in `materials` or `lamps` that the scene does not have.
 
     Warns
     -----
     UnusedFeatureWarning
         The file holds features that a diffuse solver does not use.
     GeometryWarning
-        Surfaces lie in each other, as a floor and the bottom of a box that stands on it.
+        Surfaces lie in each other: which, over what area, and what was done about it.
     """
+    if contacts not in (None, "cut", "keep"):
+        raise ParameterError(f"contacts is {contacts!r}; give 'cut' or 'keep'")
     file = _checked_path(path)
     notes = Notes()
     try:
@@ -92,11 +107,14 @@ def read_scene(
         raise type(error)(f"{file}: {error}") from error
     notes.warn(str(file))
     scene = _scaled(scene, _metres(unit, file))
-    _warn_of_overlaps(scene, file)
     if materials:
         scene = _with_materials(scene, materials)
     if lamps:
         scene = _with_lamps(scene, lamps)
+    if contacts == "keep" or (contacts is None and notes.exact):
+        _warn_of_overlaps(scene, file)
+    else:
+        scene = _without_contacts(scene, file)
     if sky is not None:
         scene = replace(scene, sky=np.asarray(sky, dtype=np.float64))
     return scene if name is None else replace(scene, name=name)
@@ -120,6 +138,17 @@ def _checked_path(path: str | os.PathLike[str]) -> Path:
     return file
 
 
+def _without_contacts(scene: Scene, file: Path) -> Scene:
+    scene, report = remove_contacts(scene)
+    if report.mended:
+        message = f"{file}: faces that lie in each other were cut (contacts='keep' leaves them): {report}"
+        warnings.warn(message, GeometryWarning, stacklevel=3)
+    if report.unclear:
+        message = f"{file}: {listed(report.unclear)}; {NO_CUT}"
+        warnings.warn(message, GeometryWarning, stacklevel=3)
+    return scene
+
+
 def _warn_of_overlaps(scene: Scene, file: Path) -> None:
     if not (found := overlaps(scene)):
         return
@@ -127,13 +156,13 @@ def _warn_of_overlaps(scene: Scene, file: Path) -> None:
     shown = [
         f"{names[o.first]!r} and {names[o.second]!r} over {o.area:.3g} m²"
         if o.first != o.second
-        else f"faces of {names[o.first]!r}, doubled, over {o.area:.3g} m²"
+        else f"faces of {names[o.first]!r} over {o.area:.3g} m²"
         for o in found[:5]
     ]
     more = f", and {len(found) - 5} more" if len(found) > 5 else ""
     warnings.warn(
         f"{file}: surfaces lie in each other: {'; '.join(shown)}{more}; what is covered sees nothing, and patches on "
-        "its border come out too dark: cut it away or leave a gap, and make one two-sided face of doubled ones",
+        "its border come out too dark: cut it away (rad.read_scene(…, contacts='cut'), rad.remove_contacts)",
         GeometryWarning,
         stacklevel=3,
     )
