@@ -102,7 +102,8 @@ class Neumann(Solver):
         kept = np.array(orders) if orders else None
         status = result.status.replace("steps", "bounces")
         if problem.start is None and len(orders) <= step.order:
-            status += f". Orders 0 … {len(orders) - 1} of {step.order} are kept ({self.keep_bytes} bytes)"
+            which = f"Of {step.order} orders 0 … {len(orders) - 1}" if orders else f"None of {step.order} orders"
+            status += f". {which} are kept (keep_bytes is {self.keep_bytes})"
         result = replace(result, orders=kept, status=status)
         if not self.tail or result.converged:
             return result

@@ -59,8 +59,10 @@ class Shooting(Solver):
         T = problem.T
         on_demand = isinstance(T.factors, RowsOnDemand)
         columns = None if on_demand else T.factors.matrix.T.tocsr()
-        unshot = problem.source.copy() if problem.start is None else problem.residual(problem.start)
-        light = unshot.copy() if problem.start is None else problem.start + unshot  # unshot light is there already
+        unshot = np.array(problem.source if problem.start is None else problem.residual(problem.start), order="C")
+        light = unshot.copy()  # unshot light is there already
+        if problem.start is not None:
+            light += problem.start
         before = np.zeros_like(light)
         for order in range(self.maxiter + 1):
             residual = problem.measure(unshot if on_demand else problem.source + problem.product(light) - light)
@@ -80,15 +82,22 @@ class Shooting(Solver):
 
 
 @numba.njit(nogil=True, cache=True)
+def _power(area, unshot, i):  # type: ignore[no-untyped-def]
+    """Unshot power of a patch, all columns together."""
+    total = 0.0
+    for m in range(unshot.shape[1]):
+        total += abs(unshot[i, m])
+    return area[i] * total
+
+
+@numba.njit(nogil=True, cache=True)
 def _brightest(area, unshot):  # type: ignore[no-untyped-def]
     """Patch with the most unshot power, and that power."""
     best, most = 0, -1.0
     for i in range(len(area)):
-        power = 0.0
-        for m in range(unshot.shape[1]):
-            power += abs(unshot[i, m])
-        if area[i] * power > most:
-            best, most = i, area[i] * power
+        power = _power(area, unshot, i)
+        if power > most:
+            best, most = i, power
     return best, most
 
 
@@ -97,12 +106,16 @@ def _shoot(indptr, indices, weights, rho, area, light, unshot, count):  # type: 
     """Up to `count` shots in place, from columns stored as rows of the transpose; gives how many were made."""
     width = light.shape[1]
     emissions = width // rho.shape[1]
+    power = np.empty(len(area))
+    for i in range(len(area)):
+        power[i] = _power(area, unshot, i)
     for shot in range(count):
-        i, power = _brightest(area, unshot)
-        if power <= 0.0:
+        i = int(np.argmax(power))
+        if power[i] <= 0.0:
             return shot
         sent = unshot[i].copy()
         unshot[i, :] = 0.0
+        power[i] = 0.0
         for p in range(indptr[i], indptr[i + 1]):
             j = indices[p]
             w = np.float64(weights[p])
@@ -110,6 +123,7 @@ def _shoot(indptr, indices, weights, rho, area, light, unshot, count):  # type: 
                 arrived = rho[j, m // emissions] * w * sent[m]
                 light[j, m] += arrived
                 unshot[j, m] += arrived
+            power[j] = _power(area, unshot, j)
     return count
 
 

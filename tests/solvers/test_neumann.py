@@ -95,7 +95,9 @@ def test_orders_kept_within_the_memory_cap():
     capped = Neumann(keep_bytes=3 * E.nbytes).solve(T, E)
     assert_array_equal(capped.orders, full.orders[:3])
     assert_array_equal(capped.radiosity, full.radiosity)
-    assert f"Orders 0 … 2 of {len(full.orders) - 1} are kept" in capped.status
+    assert f"Of {len(full.orders) - 1} orders 0 … 2 are kept" in capped.status
+    none = Neumann(keep_bytes=0).solve(T, E)
+    assert none.orders is None and "None of" in none.status
 
 
 def test_a_series_that_does_not_fall_is_refused():

@@ -33,6 +33,14 @@ def test_what_is_left_over_is_one_bounce_of_the_unshot_light():
         assert_allclose(T @ step.unshot, T.residual(step.radiosity, E), atol=1e-13)
 
 
+def test_emissions_in_any_memory_order():
+    T = closed_box(20, seed=5, reflectance=(0.1, 0.9))
+    E = np.asfortranarray(np.random.default_rng(0).random((20, 3, 4)))
+    exact = Direct().solve(T, E).radiosity
+    for x0 in (None, np.asfortranarray(0.9 * exact)):
+        assert_allclose(Shooting(rtol=1e-10).solve(T, E, x0=x0).radiosity, exact, rtol=1e-8)
+
+
 def test_light_only_grows():
     T, E = closed_box(40, seed=2, reflectance=(0.1, 0.9)), np.random.default_rng(0).random((40, 3))
     exact = Direct().solve(T, E).radiosity
