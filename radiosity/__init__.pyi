@@ -27,6 +27,7 @@ from .patches import subdivide as subdivide
 from .path_tracer import PathTracer as PathTracer
 from .path_tracer import WalkedLight as WalkedLight
 from .render import render as render
+from .render import write_picture as write_picture
 from .result import Result as Result
 from .result import Step as Step
 from .scene import Material as Material

@@ -99,6 +99,8 @@ class Tracer:
     ----------
     grid : Grid
         Faces and how they are cut (``patches.grid``).
+    shown : ndarray of bool (F,), optional
+        Which faces rays meet; they go through the others. By default all.
 
     Attributes
     ----------
@@ -115,14 +117,14 @@ class Tracer:
     neighbours, and the patch follows from (face, u, v) by arithmetic.
     """
 
-    def __init__(self, grid: Grid) -> None:
+    def __init__(self, grid: Grid, shown: NDArray[np.bool_] | None = None) -> None:
         bounds = grid.faces.bounds
         diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
         self.centre: FloatArray = bounds.mean(axis=0)
         self.scale = 1.0 / diagonal
         corners = (grid.faces.corners - self.centre) * self.scale
         self.table = _face_table(grid, corners)
-        self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, corners)
+        self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, corners, shown)
         self._whole = bool((grid.cells == 1).all())
 
     def run(self, origins: Float32Array, directions: Float32Array) -> IntArray:
@@ -175,7 +177,7 @@ class Tracer:
         return (points - self.centre) * self.scale
 
 
-def _embree_scene(faces: Faces, corners: FloatArray):  # type: ignore[no-untyped-def]
+def _embree_scene(faces: Faces, corners: FloatArray, shown: NDArray[np.bool_] | None):  # type: ignore[no-untyped-def]
     """Embree's scene, the face of each of its triangles, and which are the second half of a quad."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
@@ -187,6 +189,8 @@ def _embree_scene(faces: Faces, corners: FloatArray):  # type: ignore[no-untyped
     second = np.zeros(len(face), dtype=np.bool_)
     second[len(faces) :] = True
     order = np.argsort(face, kind="stable")  # both halves of a quad side by side
+    if shown is not None:
+        order = order[shown[face[order]]]
     triangles = (4 * face[order, None] + corner[order]).astype(np.int32)
     scene = EmbreeScene(robust=True)
     TriangleMesh(scene, np.ascontiguousarray(corners.reshape(-1, 3), dtype=np.float32), triangles)

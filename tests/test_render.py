@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import radiosity as rad
 from radiosity.camera import presets
-from radiosity.errors import MemoryLimitError, ParameterError
+from radiosity.errors import FileFormatError, MemoryLimitError, MissingFileError, ParameterError
 from radiosity.form_factors.kernel import kernel
 from radiosity.render import picture as picture_module
 from radiosity.render import strips
@@ -71,10 +72,22 @@ def test_a_lone_plate_under_a_sky():
     np.testing.assert_allclose(rad.render(solution, outside, (8, 8), samples=4), 3.0, rtol=1e-12)
 
 
-def test_one_sided_faces_are_black_from_behind():
-    solution = solved(rad.Scene([plate("plate", FLOOR, reflectance=0.4)], sky=3.0, name="plate"), 4)
+def test_the_camera_sees_through_the_backs_of_one_sided_faces():
+    """But light does not: a plate that looks at the black back of another has no light."""
     below = rad.Camera("below", (0.5, -2.0, 0.5), (0.5, 0.0, 0.5), up=(0.0, 0.0, 1.0), fov=20.0)
-    assert np.all(rad.render(solution, below, (16, 16), samples=4) == 0.0)
+    plates = [plate("low", FLOOR, reflectance=0.4), plate("high", shifted(FLOOR, 1e-3), reflectance=0.4)]
+    solution = solved(rad.Scene(plates, sky=3.0, name="plates"), 4)
+    np.testing.assert_array_equal(rad.render(solution, below, (8, 8), samples=4), 3.0)
+    assert rad.render(solution, FROM_ABOVE, (8, 8), samples=4)[4, 4] == pytest.approx(1.2)
+    between = rad.Camera("between", (0.5, 5e-4, 0.5), (0.5, 0.0, 0.5), up=(0.0, 0.0, 1.0), fov=20.0)
+    assert np.all(rad.render(solution, between, (8, 8), samples=4) == 0.0)
+
+
+def test_two_sided_faces_hide_what_is_behind_them():
+    double = plate("double", shifted(FLOOR, -1.0), reflectance=0.4, two_sided=True)
+    solution = solved(rad.Scene([plate("plate", FLOOR, reflectance=0.4), double], sky=3.0, name="plates"), 4)
+    below = rad.Camera("below", (0.5, -2.0, 0.5), (0.5, 0.0, 0.5), up=(0.0, 0.0, 1.0), fov=20.0)
+    np.testing.assert_allclose(rad.render(solution, below, (8, 8), samples=4), 0.4 * 3.0, rtol=1e-12)
 
 
 def test_a_two_sided_lamp_lights_both_sides():
@@ -287,3 +300,18 @@ def test_progress_is_told_and_may_stop_the_work(box):
 def test_bad_settings_are_named(box, settings, error, words):
     with pytest.raises(error, match=words):
         rad.render(box, **settings)
+
+
+def test_pictures_are_written_as_bytes_and_as_numbers(tmp_path, box_picture):
+    assert rad.write_picture(box_picture, tmp_path / "a.npy") == 1.0
+    np.testing.assert_array_equal(np.load(tmp_path / "a.npy"), box_picture.astype(np.float32))
+    factor = rad.write_picture(box_picture, tmp_path / "a.png", exposure=1.0)
+    with Image.open(tmp_path / "a.png") as image:
+        assert image.size == (128, 128)
+    assert factor == pytest.approx(2.0 * rad.write_picture(box_picture, tmp_path / "b.png"))
+    with pytest.raises(FileFormatError, match=r"\.jpg"):
+        rad.write_picture(box_picture, tmp_path / "a.jpg")
+    with pytest.raises(MissingFileError, match="no folder"):
+        rad.write_picture(box_picture, tmp_path / "none" / "a.png")
+    with pytest.raises(ParameterError, match="shape"):
+        rad.write_picture(box_picture[0], tmp_path / "a.png")

@@ -10,13 +10,13 @@ from contextlib import suppress
 
 from .._version import __version__
 from ..errors import RadiosityError
-from . import lecture, scenes, solve, view
+from . import lecture, render, scenes, solve, view
 from .console import Screen
 from .interrupts import INTERRUPTED, interruptible
 
 FAILED = 2
 
-COMMANDS = (solve, view, lecture, scenes)
+COMMANDS = (solve, view, render, lecture, scenes)
 
 DESCRIPTION = """\
 How light fills a room of matt surfaces, bounce by bounce: form factors by hemicube or by Monte Carlo rays, and the

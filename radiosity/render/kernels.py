@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..form_factors.kernel import kernel
-from ..rays import MISS
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +21,7 @@ class Room(NamedTuple):
 
     face, side (N,): the face of each patch, and which side; normal, tangent (N, 3); size (N,): root of its area;
     emission, reflectance (N, C). reflected (N + 2, C): B - E of each patch, then 0 for black backs and π × radiance
-    for the sky, so that rows N + 2 + `MISS` and N + 2 + `BACK` are right; bright (N + 2,): its sum over the channels;
+    for the sky, so that rows N + 2 + MISS and N + 2 + BACK are right; bright (N + 2,): its sum over the channels;
     direct (N, C): what of it is light straight from emitters. density (N,): see `aim.Targets`. sky (C,): radiance.
     """
 
@@ -175,7 +174,7 @@ def find_pieces(room, ground, samples, pieces, picture):  # type: ignore[no-unty
             ground.piece[r] = -1
             if j < 0:
                 for c in range(channels):
-                    picture[pixel, c] += room.sky[c] / samples if j == MISS else 0.0
+                    picture[pixel, c] += room.sky[c] / samples
                 continue
             at = pieces.begin[pixel]
             while at < count and alike(pieces.normal[at], pieces.point[at], room.normal[j], ground.points[r]) < SAME:

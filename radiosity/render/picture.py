@@ -74,7 +74,8 @@ def render(
     The light that leaves each point seen is worked out anew, L = (E + ρ H) / π, from its own irradiance H: straight
     from emitters in closed form, as far as shadow rays find them unhidden; from everything else, and the sky, by rays
     into the room, which meet the patches' light. The picture shows as many bounces as the solution holds. Neighbouring
-    pixels share what they know of indirect light.
+    pixels share what they know of indirect light. Faces that look away from the camera are left out, as in a doll's
+    house, unless they are two-sided; the light meets them all the same.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def render(
     if solution.bounces == 0:
         patches = replace(patches, reflectance=np.zeros_like(patches.reflectance))
     targets = bright_patches(patches, light.reflected.sum(axis=1), tracer.scale, solution.factors.gather)
-    work = StripTracer(tracer, patches, light, targets, view, samples, seed)
+    work = StripTracer(tracer, _camera_tracer(patches, view, tracer), patches, light, targets, view, samples, seed)
     tell = progress or quiet
     spans = blocks(width * height, max(1, SAMPLES_AT_ONCE // samples))
     strips = []
@@ -180,6 +181,14 @@ def _view(camera: Camera, width: int, height: int, tracer: Tracer) -> View:
     step = 2.0 * math.tan(math.radians(camera.fov) / 2.0) / min(width, height)
     corner = forward - 0.5 * step * (width * right + height * down)
     return View(tracer.to_unit(eye), corner, step * right, step * down, width, height)
+
+
+def _camera_tracer(patches: Patches, view: View, tracer: Tracer) -> Tracer:
+    """What the camera's rays meet: not the backs of one-sided faces."""
+    faces = patches.grid.faces
+    to_eye = view.eye - tracer.to_unit(faces.corners[:, 0])
+    shown = faces.two_sided | (np.einsum("fx,fx->f", to_eye, faces.normal) > 0.0)
+    return tracer if shown.all() or not shown.any() else Tracer(patches.grid, shown)
 
 
 def _light(solution: Solved) -> Light:

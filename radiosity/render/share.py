@@ -65,7 +65,6 @@ def share(
     value, weight = gathered, rays
     for level in range(LEVELS):
         out = np.empty_like(value), np.empty_like(weight)
-
         rows = partial(_share_rows, pieces, value, weight, TILE**level, width, *out)
         for span, _ in zip(spans, ordered_map(rows, spans, threads), strict=True):
             if tell is not None:
@@ -87,11 +86,10 @@ def _share_rows(pieces, value, weight, stride, width, out_value, out_weight, row
     height = (begin.shape[0] - 1) // width
     columns = value.shape[1]
     channels = columns - MOMENTS
-    fit = np.empty((3, columns))  # Σ, Σ x and Σ y of the values
+    fit = np.empty((3, columns))
     for pixel in range(rows[0] * width, rows[1] * width):
         for p in range(begin[pixel], begin[pixel + 1]):
-            for c in range(columns):
-                fit[0, c] = fit[1, c] = fit[2, c] = 0.0
+            fit[:] = 0.0
             reach2 = _reach2(value[p], weight[p], channels)
             w = wx = wy = wxx = wxy = wyy = 0.0
             for dy in range(-REACH, REACH + 1):
@@ -115,15 +113,24 @@ def _share_rows(pieces, value, weight, stride, width, out_value, out_weight, row
                                 fit[0, c] += k * value[q, c]
                                 fit[1, c] += k * value[q, c] * dx
                                 fit[2, c] += k * value[q, c] * dy
-            mx, my = wx / w, wy / w
-            cxx, cxy, cyy = wxx / w - mx * mx + STIFF, wxy / w - mx * my, wyy / w - my * my + STIFF
-            determinant = cxx * cyy - cxy * cxy
-            along_x, along_y = (cyy * mx - cxy * my) / determinant, (cxx * my - cxy * mx) / determinant
             out_weight[p] = w
-            for c in range(columns):
-                mean = fit[0, c] / w
-                lean = along_x * (fit[1, c] / w - mx * mean) + along_y * (fit[2, c] / w - my * mean)
-                out_value[p, c] = mean - min(max(lean, -LEAN * mean), LEAN * mean)
+            _line_at_centre(fit, w, wx / w, wy / w, wxx / w, wxy / w, wyy / w, out_value[p])
+
+
+@kernel
+def _line_at_centre(fit, w, mx, my, mxx, mxy, myy, out):  # type: ignore[no-untyped-def]
+    """Write to out (columns,) the value at (0, 0) of the lines that fit best.
+
+    fit (3, columns): sums Σ k v, Σ k v x and Σ k v y of the values v at (x, y), of weights k; w their sum, and the rest
+    the means of x, y, x², xy, y².
+    """
+    cxx, cxy, cyy = mxx - mx * mx + STIFF, mxy - mx * my, myy - my * my + STIFF
+    determinant = cxx * cyy - cxy * cxy
+    along_x, along_y = (cyy * mx - cxy * my) / determinant, (cxx * my - cxy * mx) / determinant
+    for c in range(fit.shape[1]):
+        mean = fit[0, c] / w
+        lean = along_x * (fit[1, c] / w - mx * mean) + along_y * (fit[2, c] / w - my * mean)
+        out[c] = mean - min(max(lean, -LEAN * mean), LEAN * mean)
 
 
 @kernel

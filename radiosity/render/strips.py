@@ -58,9 +58,18 @@ class StripTracer:
     """Traces strips: from the number of the first pixel alone, so that threads do not matter."""
 
     def __init__(
-        self, tracer: Tracer, patches: Patches, light: Light, targets: Targets, view: View, samples: int, seed: int
+        self,
+        tracer: Tracer,
+        camera_tracer: Tracer,
+        patches: Patches,
+        light: Light,
+        targets: Targets,
+        view: View,
+        samples: int,
+        seed: int,
     ) -> None:
-        self.tracer, self.targets, self.view, self.samples = tracer, targets, view, samples
+        self.tracer, self.camera_tracer = tracer, camera_tracer
+        self.targets, self.view, self.samples = targets, view, samples
         self.emitters = emitters_of(patches, tracer)
         self.table, self.whole = in_one_layout(tracer.table), whole_faces(tracer)
         self.room = _room(patches, tracer, light, targets)
@@ -91,7 +100,7 @@ class StripTracer:
         """Send the rays of the camera, and add to the picture what shines by itself."""
         rays = Rays.room_for(len(picture) * self.samples)
         primary_rays(self.view, first, self.offsets, rays)
-        patch, points = self.tracer.hits(*rays)
+        patch, points = self.camera_tracer.hits(*rays)
         ground = Ground(patch, points, np.empty(len(patch), dtype=np.int64))
         pieces = Pieces.room_for(len(picture), len(ground.piece), picture.shape[1])
         return ground, pieces.cut(find_pieces(self.room, ground, self.samples, pieces, picture))
