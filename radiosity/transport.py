@@ -256,7 +256,11 @@ class TransportOperator:
         return _operator(self.shape, lambda x: _like(rho, x) * self.factors.gather(x, self.threads), self._back(rho))
 
     def system(self, channel: int = 0) -> LinearOperator:
-        """I - T of one channel as `LinearOperator`, in the form without subtraction, with its transpose."""
+        """I - T of one channel as `LinearOperator`, in the form without subtraction, with its transpose.
+
+        For ``scipy.sparse.linalg.gmres(T.system(c), emission[:, c])``, and for ``pyamg.krylov.fgmres`` alike; `matrix` is
+        for what needs entries. They report success where there is none at small absorptances: see `certify`.
+        """
         one = TransportOperator(self.factors, _OneChannel(self, channel), threads=self.threads)
         back = self._back(self.reflectance[:, channel])
         return _operator(self.shape, lambda x: _columns(one.loss, x), lambda x: x - back(x))
