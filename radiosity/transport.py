@@ -258,8 +258,9 @@ class TransportOperator:
     def system(self, channel: int = 0) -> LinearOperator:
         """I - T of one channel as `LinearOperator`, in the form without subtraction, with its transpose.
 
-        For ``scipy.sparse.linalg.gmres(T.system(c), emission[:, c])``, and for ``pyamg.krylov.fgmres`` alike; `matrix` is
-        for what needs entries. They report success where there is none at small absorptances: see `certify`.
+        For ``scipy.sparse.linalg.gmres(T.system(c), emission[:, c])``, and for ``pyamg.krylov.fgmres`` alike; `matrix`
+        is for what needs entries. Where almost nothing is absorbed, their own word for success is no proof: see
+        `radiosity.certify`.
         """
         one = TransportOperator(self.factors, _OneChannel(self, channel), threads=self.threads)
         back = self._back(self.reflectance[:, channel])
