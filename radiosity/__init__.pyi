@@ -9,6 +9,7 @@ from ._version import __version__ as __version__
 from .camera import Camera as Camera
 from .certificate import Certificate as Certificate
 from .certificate import certify as certify
+from .contacts import remove_contacts as remove_contacts
 from .errors import RadiosityError as RadiosityError
 from .errors import RadiosityWarning as RadiosityWarning
 from .exchange import TotalExchange as TotalExchange

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .balance import PowerBalance, power_balance
 from .certificate import Certificate, certify
+from .dark import dark_patches
 from .errors import FileFormatError
 from .form_factors import FormFactors
 from .irradiance import irradiance_at
@@ -259,6 +260,7 @@ class Solution:
     def __str__(self) -> str:
         """The story in a few lines."""
         lines = [_scene_line(self.patches), _factor_line(self.factors)]
+        lines += filter(None, [dark_patches(self.patches, self.factors).story])
         if self.power is not None:
             lines.append("by bounce, W: " + power_by_bounce(self.power))
         lines.append("seconds: " + ", ".join(f"{stage} {s:.2f}" for stage, s in seconds(self.statistics).items()))

@@ -29,6 +29,7 @@ FLOORS = (
     "series",
     "relight",
     "balance",
+    "dark",
     "irradiance",
     "plan",
     "shortcuts",

@@ -43,6 +43,7 @@ def _facts(solution: rad.Solution) -> Table:
 
 
 def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
+    from ..dark import dark_patches
     from ..solution import seconds
 
     patches, factors, certificate = solution.patches, solution.factors, solution.certificate
@@ -61,6 +62,8 @@ def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
     ]
     if leaked := certificate.leaked_rays:
         rows.append(("leaks", f"{leaked:,} rays of {solution.statistics['rays/traced']:,} left a closed scene"))
+    if story := dark_patches(patches, factors).story:
+        rows.append(("dark", story))
     stages = seconds(solution.statistics)
     parts = ", ".join(f"{stage} {s:.2f}" for stage, s in stages.items())
     rows.append(("seconds", f"{parts}; together {sum(stages.values()):.2f}"))

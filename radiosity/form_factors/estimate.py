@@ -17,6 +17,7 @@ from .factors import FormFactors
 from .hemicube import Hemicube
 from .monte_carlo import MonteCarlo
 
+ALL = 1.0 - 1e-6  # of a row that goes to the sky
 Estimator = MonteCarlo | Hemicube | Analytic
 
 
@@ -78,7 +79,9 @@ def form_factors(
 
 
 def _factors(rows: Rows, patches: Patches, estimator: Estimator) -> FormFactors:
-    to_sky = np.zeros(len(patches)) if patches.closed else rows.to_sky
+    """Factors from rows. Rays that leave a closed scene have leaked, but for patches that see nothing else: outside."""
+    inside = rows.to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
+    to_sky = np.where(inside, 0.0, rows.to_sky)
     return FormFactors(
         rows.matrix,
         to_sky,
@@ -88,7 +91,7 @@ def _factors(rows: Rows, patches: Patches, estimator: Estimator) -> FormFactors:
         patches.surface_names,
         estimator,
         {
-            "leaks/share": float(np.mean(rows.to_sky)) if patches.closed else 0.0,
+            "leaks/share": float(np.mean(np.where(inside, rows.to_sky, 0.0))),
             "rays/to emitters": rows.shadow_rays,
         },
         exact_columns=rows.exact_columns,
