@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 
@@ -22,8 +23,11 @@ def _many_digits():
         yield
 
 
+legendre = functools.cache(np.polynomial.legendre.leggauss)
+
+
 def gauss(low, high, points=40):
-    x, w = np.polynomial.legendre.leggauss(points)
+    x, w = legendre(points)
     return low + 0.5 * (high - low) * (x + 1), 0.5 * (high - low) * w
 
 
