@@ -1,0 +1,45 @@
+"""How Sphinx builds the book: `sphinx-build -W -b html docs docs/_build/html`, after `pip install -e ".[docs]"`."""
+
+import sys
+from pathlib import Path
+
+import radiosity
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "_extensions"))
+
+project = "radiosity"
+author = "the radiosity developers"
+copyright = "the radiosity developers, MIT licence"
+version = release = radiosity.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "matplotlib.sphinxext.plot_directive",
+    "numpydoc",
+    "mathml",
+]
+exclude_patterns = ["_build"]
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "fieldlist"]
+myst_heading_anchors = 3
+nitpicky = False
+
+html_theme = "furo"
+html_title = "radiosity"
+html_static_path = ["_static"]
+html_css_files = ["book.css"]
+html_math_renderer = "mathml"  # needs no network and no script
+html_show_sphinx = False
+
+plot_formats = [("png", 110)]
+plot_html_show_formats = False
+plot_html_show_source_link = False
+plot_rcparams = {"figure.figsize": (6.5, 3.6), "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}
+plot_apply_rcparams = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
