@@ -160,7 +160,7 @@ def subdivide(scene: Scene, patch_count: int | None = None, patch_size: float | 
         front.astype(np.int32),
         np.where(faces.two_sided, front + cells, -1).astype(np.int32),
     )
-    return _cut(scene, grid, int(ends[-1]))
+    return cut(scene, grid)
 
 
 def _steps(faces: Faces, patch_count: int | None, patch_size: float | None) -> tuple[IntArray, IntArray]:
@@ -228,9 +228,10 @@ def _steps_for_count(faces: Faces, patch_count: int) -> tuple[IntArray, IntArray
     return steps(min(tried, key=lambda size: (abs(count(size) - patch_count), size)))
 
 
-def _cut(scene: Scene, grid: Grid, count: int) -> Patches:
+def cut(scene: Scene, grid: Grid) -> Patches:
     """Make the patches of all faces, those of equal steps at once."""
     faces = grid.faces
+    count = int((grid.cells * (1 + faces.two_sided)).sum())
     cells = grid.cells
     columns, rows = grid.columns.astype(np.int64), grid.rows.astype(np.int64)
     points = np.where(faces.quad, (columns + 1) * (rows + 1), (columns + 1) * (columns + 2) // 2)

@@ -42,6 +42,7 @@ FLOORS = (
     "transport",
     "form_factors",
     "rays",
+    "nested",
     "patches",
     "contacts",
     "faces",
