@@ -129,10 +129,8 @@ class Window:
         left = 1 if self.side else 0
         groups = [(2, [left, left + 1])] + ([(slice(None), 0)] if self.side else [])
         widths = [self.side] * left + [(1 - self.side) / 2] * 2
-        self.plotter = pv.Plotter(
-            off_screen=off_screen, window_size=list(size), title="Radiosity, bounce by bounce", border=False,
-            shape=(3, left + 2), row_weights=list(ROWS), col_weights=widths, groups=groups,
-        )  # fmt: skip
+        layout = {"shape": (3, left + 2), "row_weights": list(ROWS), "col_weights": widths, "groups": groups}
+        self.plotter = self._open(off_screen, size, layout)
         self.plotter.render_window.SetMultiSamples(self.samples)
         self.plotter.set_background(PANEL)
         self.panes: dict[Pane, Drawing] = {}
@@ -151,6 +149,11 @@ class Window:
         self._build_dashboard(left)
         self._build_help()
         self._listen()
+
+    def _open(self, off_screen: bool, size: tuple[int, int], layout: dict[str, Any]) -> pv.Plotter:
+        """An empty window. Lectures, which go from scene to scene, empty the one that they have."""
+        title = "Radiosity, bounce by bounce"
+        return pv.Plotter(off_screen=off_screen, window_size=list(size), title=title, border=False, **layout)
 
     def _build_dashboard(self, left: int) -> None:
         self.plotter.subplot(2, left)
