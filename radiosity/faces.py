@@ -150,15 +150,8 @@ def _split(surface: Surface, quads: FloatArray, face: IntArray) -> tuple[FloatAr
     """Two triangles for each quad, cut along the diagonal that stays inside it."""
     if not len(quads):
         return np.empty((0, 3, 3)), np.empty(0, dtype=np.int64)
-    normals = unit(quad_vector_areas(quads))
-    cuts = quads[:, [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]]]  # (n, cut, half, corner, 3)
-    halves = triangle_vector_areas(cuts.reshape(-1, 3, 3)).reshape(-1, 2, 2, 3)
-    facing = np.einsum("nchx,nx->nch", halves, normals)
-    smallest = facing.min(axis=2)  # of the two halves; negative where the diagonal runs outside
-    tolerance = SLIVER * longest_edges(quads) ** 2
-    areas = np.linalg.norm(halves, axis=3)
-    cancelled = (facing.sum(axis=2).max(axis=1) <= tolerance) & (areas.max(axis=(1, 2)) > tolerance)
-    crossed = np.flatnonzero((smallest.max(axis=1) < -tolerance) | cancelled)
+    cuts, smallest, crosses = _both_cuts(quads)
+    crossed = np.flatnonzero(crosses)
     if crossed.size:
         raise GeometryError(
             f"surface {surface.name!r}: the edges of quad {face[crossed[0]]} cross over "
@@ -171,6 +164,28 @@ def _split(surface: Surface, quads: FloatArray, face: IntArray) -> tuple[FloatAr
     triangles = cuts[np.arange(len(quads)), cut].reshape(-1, 3, 3)
     solid = _has_area(triangles)  # a quad with two equal corners is a triangle
     return triangles[solid], np.repeat(face, 2)[solid]
+
+
+def _both_cuts(quads: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Quads cut either way, and whether their edges cross over.
+
+    Returns triangles (n, cut, half, corner, 3); for each cut the smaller half's area, negative where the diagonal runs
+    outside, (n, cut); and which quads cross over (n,).
+    """
+    normals = unit(quad_vector_areas(quads))
+    cuts = quads[:, [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]]]
+    halves = triangle_vector_areas(cuts.reshape(-1, 3, 3)).reshape(-1, 2, 2, 3)
+    facing = np.einsum("nchx,nx->nch", halves, normals)
+    smallest = facing.min(axis=2)
+    tolerance = SLIVER * longest_edges(quads) ** 2
+    areas = np.linalg.norm(halves, axis=3)
+    cancelled = (facing.sum(axis=2).max(axis=1) <= tolerance) & (areas.max(axis=(1, 2)) > tolerance)
+    return cuts, smallest, (smallest.max(axis=1) < -tolerance) | cancelled
+
+
+def crossed_quads(quads: FloatArray) -> NDArray[np.bool_]:
+    """Which of quads (n, 4, 3) have edges that cross over, so that they enclose no one area, (n,)."""
+    return _both_cuts(quads)[2] & ~_planar_convex(quads) if len(quads) else np.zeros(0, dtype=bool)
 
 
 def _pair(triangles: FloatArray, face: IntArray) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:

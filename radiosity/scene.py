@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import GeometryError, MaterialError, SceneError
+from .finding import Finding
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -255,7 +256,7 @@ class Scene:
         self, surfaces: Iterable[Surface], sky: ArrayLike = 0.0, name: str = "scene", closed: bool | None = None
     ) -> None:
         _set(self, surfaces=tuple(surfaces), sky=_per_channel(sky, "sky"), name=name, closed=closed)
-        self.validate()
+        self._refuse_bad()
         if self.sky.size != self.channels:
             _set(self, sky=_frozen(np.full(self.channels, self.sky[0]), np.float64))
 
@@ -269,7 +270,39 @@ class Scene:
         """Names in the order of `surfaces`; `Patches.surface` indexes them."""
         return tuple(surface.name for surface in self.surfaces)
 
-    def validate(self) -> None:
+    def validate(self) -> tuple[Finding, ...]:
+        """Report everything about the geometry and the light that is wrong, doubtful or good to know.
+
+        What no scene may have was refused when the scene and its surfaces were made.
+
+        Returns
+        -------
+        tuple of Finding
+            Errors, warnings, notes: each with surfaces, place, number and remedy. See `radiosity.inspection.findings`.
+
+        Examples
+        --------
+        >>> floor = Surface("floor", [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]], Material(0.5))
+        >>> [finding.kind for finding in Scene([floor], sky=1.0).validate()]
+        ['open edges']
+        """
+        from .inspection import findings
+
+        return findings(self)
+
+    def fixed_normals(self) -> Scene:
+        """Turn round the faces of closed shells that look the wrong way; see `radiosity.inspection.fixed_normals`.
+
+        Warns
+        -----
+        GeometryWarning
+            Which surfaces had faces turned, and how many.
+        """
+        from .inspection import fixed_normals
+
+        return fixed_normals(self)
+
+    def _refuse_bad(self) -> None:
         """Check the scene as a whole; its surfaces checked themselves when they were made.
 
         Raises

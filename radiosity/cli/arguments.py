@@ -11,8 +11,8 @@ from typing import Any
 UNITS = ("m", "cm", "mm", "in", "ft")
 METHODS = {"monte-carlo": "MonteCarlo", "hemicube": "Hemicube", "analytic": "Analytic"}  # words of the API
 SOLVE_OPTIONS = (
-    "unit", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed", "resolution",
-    "samples", "bounces", "rtol", "threads",
+    "unit", "fix_normals", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed",
+    "resolution", "samples", "bounces", "rtol", "threads",
 )  # fmt: skip
 ONLY_FOR = {
     **dict.fromkeys(("rays", "light_rays", "sampling", "replicates", "seed"), "monte-carlo"),
@@ -24,6 +24,12 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
     """What to light, and by what."""
     group = parser.add_argument_group("scene")
     group.add_argument("--unit", choices=UNITS, help="unit of length of a file that names none (default: m)")
+    group.add_argument(
+        "--fix-normals",
+        action="store_const",
+        const=True,
+        help="turn round the faces of closed shells that look the wrong way",
+    )
     group.add_argument(
         "--sky", type=channels, metavar="L", help="radiance of the surroundings, W/(m² sr): one number, or R,G,B"
     )

@@ -27,11 +27,14 @@ def scene(word: str, args: argparse.Namespace) -> rad.Scene:
     if not Path(word).is_file() and word in rad.scenes.BUILT_IN:
         if args.unit:
             raise rad.errors.ParameterError(f"--unit is for files; the built-in scene {word!r} is in metres")
+        if args.fix_normals:
+            raise rad.errors.ParameterError(f"--fix-normals is for files; the normals of {word!r} are right")
         return _lit(rad.scenes.BUILT_IN[word](), lamps, args.sky)
     if not Path(word).exists() and not Path(word).suffix:
         known = ", ".join(rad.scenes.BUILT_IN)
         raise rad.errors.MissingFileError(f"{word!r} is neither a file nor a built-in scene; there are {known}")
-    return rad.read_scene(word, unit=args.unit, lamps=lamps or None, sky=args.sky)
+    fix_normals = bool(args.fix_normals)
+    return rad.read_scene(word, unit=args.unit, lamps=lamps or None, sky=args.sky, fix_normals=fix_normals)
 
 
 def _lit(scene: rad.Scene, lamps: Mapping[str, list[float]], sky: list[float] | None) -> rad.Scene:

@@ -51,6 +51,7 @@ def read_scene(
     lamps: Mapping[str, ArrayLike] | None = None,
     name: str | None = None,
     contacts: Literal["cut", "keep"] | None = None,
+    fix_normals: bool = False,
 ) -> Scene:
     """Read a scene from .glb, .gltf, .obj (with its .mtl), .ply, .stl or .off.
 
@@ -74,6 +75,8 @@ def read_scene(
         What becomes of faces that lie in each other, as a floor and the bottom of a box that stands on it: cut away, as
         `radiosity.contacts` says, or kept and only named. By default they are cut, but in files that `write_scene`
         made, which come back as the scene that was written.
+    fix_normals : bool, optional
+        Turn round the faces of closed shells that look the wrong way, as `radiosity.inspection.fixed_normals` does.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def read_scene(
     UnusedFeatureWarning
         The file holds features that a diffuse solver does not use.
     GeometryWarning
-        Surfaces lie in each other: which, over what area, and what was done about it.
+        Surfaces lie in each other: which, over what area, and what was done about it. Faces that were turned round.
     """
     if contacts not in (None, "cut", "keep"):
         raise ParameterError(f"contacts is {contacts!r}; give 'cut' or 'keep'")
@@ -111,12 +114,14 @@ def read_scene(
         scene = _with_materials(scene, materials)
     if lamps:
         scene = _with_lamps(scene, lamps)
+    if sky is not None:
+        scene = replace(scene, sky=np.asarray(sky, dtype=np.float64))
+    if fix_normals:
+        scene = scene.fixed_normals()
     if contacts == "keep" or (contacts is None and notes.exact):
         _warn_of_overlaps(scene, file)
     else:
         scene = _without_contacts(scene, file)
-    if sky is not None:
-        scene = replace(scene, sky=np.asarray(sky, dtype=np.float64))
     return scene if name is None else replace(scene, name=name)
 
 

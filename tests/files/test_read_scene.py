@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 import radiosity
-from radiosity.errors import FileFormatError, MissingFileError, ParameterError, RadiosityError, SceneError
+from radiosity.errors import (
+    FileFormatError,
+    GeometryWarning,
+    MissingFileError,
+    ParameterError,
+    RadiosityError,
+    RadiosityWarning,
+    SceneError,
+)
 from radiosity.files import read_scene, write_scene
 from radiosity.scene import Material
 from radiosity.scenes import red_rug
@@ -104,3 +112,19 @@ def test_suffixes_in_capitals(tmp_path):
 def test_public_names():
     assert radiosity.read_scene is read_scene
     assert radiosity.write_scene is write_scene
+
+
+def test_normals_of_a_room_that_was_modelled_from_outside(tmp_path):
+    """An STL of a room, as modelling programs write solids: outward. A sky says that it is a body instead."""
+    import trimesh
+
+    path = tmp_path / "room.stl"
+    path.write_bytes(trimesh.creation.box((3, 4, 5)).export(file_type="stl"))
+    with pytest.warns(RadiosityWarning) as caught:
+        room = read_scene(path, fix_normals=True, lamps={"room": 1.0})
+    assert "12 of 12 faces were turned round" in str(caught[1].message)
+    assert radiosity.subdivide(room).closed
+    with pytest.warns(RadiosityWarning) as caught:
+        body = read_scene(path, fix_normals=True, sky=1.0)
+    assert not any(issubclass(one.category, GeometryWarning) for one in caught)
+    assert not radiosity.subdivide(body).closed
