@@ -44,6 +44,10 @@ class MemoryLimitError(RadiosityError, MemoryError):
     """The work would need more memory than it may use; the message says how much and the ways out."""
 
 
+class WorkerLostError(RadiosityError, RuntimeError):
+    """A worker process or machine was lost again and again at the same work."""
+
+
 class SolverError(RadiosityError, ValueError):
     """A system cannot be solved as posed."""
 
@@ -78,6 +82,10 @@ class FormFactorWarning(RadiosityWarning):
 
 class UnlitSceneWarning(RadiosityWarning):
     """Nothing in a scene emits, and neither does the sky: everything will be black."""
+
+
+class CheckpointWarning(RadiosityWarning):
+    """What a checkpoint holds is damaged, or belongs to other work: it is computed again."""
 
 
 class ParameterError(RadiosityError, ValueError):

@@ -1,4 +1,4 @@
-"""Blocks of rows over threads: the one place where work is shared out.
+"""Blocks of rows over threads: where work is shared out (over other executors, see `executors`).
 
 The kernels release the interpreter's lock, so plain threads are enough. Blocks are cut by the caller,
 never by the number of threads, and each writes to its own rows: results cannot depend on who did what.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -40,10 +40,7 @@ def blocks(count: int, size: int) -> list[tuple[int, int]]:
 
 
 def ordered_map(
-    function: Callable[[Item], Value],
-    items: Sequence[Item],
-    threads: int | None = None,
-    executor: Executor | None = None,
+    function: Callable[[Item], Value], items: Sequence[Item], threads: int | None = None
 ) -> Iterator[Value]:
     """Apply a function to items on threads, giving values in the order of the items.
 
@@ -51,10 +48,10 @@ def ordered_map(
     interrupt, or when the caller stops early, what has not begun is dropped.
     """
     count = thread_count(threads)
-    if executor is None and (count == 1 or len(items) < 2):
+    if count == 1 or len(items) < 2:
         yield from map(function, items)
         return
-    pool = executor or ThreadPoolExecutor(count)
+    pool = ThreadPoolExecutor(count)
     pending: list[Future[Value]] = []
     waiting = iter(items)
     try:
@@ -67,5 +64,4 @@ def ordered_map(
     finally:
         for future in pending:
             future.cancel()
-        if executor is None:
-            pool.shutdown(wait=True, cancel_futures=True)
+        pool.shutdown(wait=True, cancel_futures=True)

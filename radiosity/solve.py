@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import time
 import warnings
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
@@ -35,6 +37,9 @@ def solve(
     bounces: int | None = None,
     dtype: Any = np.float32,
     threads: int | None = None,
+    executor: Executor | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    memory_limit: float | None = None,
     progress: Progress | None = None,
 ) -> Solution:
     """Light of a scene: patches, form factors, the series, one after the other.
@@ -57,6 +62,12 @@ def solve(
         Of the form factors.
     threads : int, optional
         As many as there are processors by default. The result has the same bits for any number.
+    executor : concurrent.futures.Executor, optional
+        Whose workers compute the form factors, instead of threads. See `form_factors`.
+    checkpoint : path, optional
+        A folder that keeps finished rows of form factors, from which an interrupted solve goes on.
+    memory_limit : float, optional
+        Bytes that the form factors may take; by default four fifths of what is free.
     progress : callable, optional
         Called as ``progress(stage, done, total)``; stages are "patches", "form factors" and "bounces".
 
@@ -68,6 +79,8 @@ def solve(
     ------
     ParameterError
         Settings that do not fit; the message says which.
+    MemoryLimitError
+        Form factors larger than the memory limit, with the figures and the ways out.
     SolverError
         Light that grows for ever, or that a float64 does not hold.
 
@@ -102,7 +115,16 @@ def solve(
     patches = subdivide(scene, patch_count, patch_size)
     seconds = time.perf_counter() - began
     tell("patches", 1, 1)
-    factors = form_factors(patches, estimator, dtype=dtype, threads=threads, progress=tell)
+    factors = form_factors(
+        patches,
+        estimator,
+        dtype=dtype,
+        threads=threads,
+        executor=executor,
+        checkpoint=checkpoint,
+        memory_limit=memory_limit,
+        progress=tell,
+    )
     result = run(solver, TransportOperator(factors, patches, threads=threads), patches, bounces, tell)
 
     settings = {

@@ -59,7 +59,10 @@ FLOORS = (
     "colour",
     "sparse",
     "sequences",
+    "executors",
     "parallel",
+    "memory",
+    "atomic",
 )
 LEAVES = ("result", "errors", "statistics", "progress", "_version")  # import nothing of ours, not even each other
 HOUSE = FLOORS + LEAVES

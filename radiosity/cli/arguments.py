@@ -5,14 +5,16 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any
 
+SIZE = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kKMGT]?)[bB]?\s*")  # 4G, 1.5 GB, 800000000
 UNITS = ("m", "cm", "mm", "in", "ft")
 METHODS = {"monte-carlo": "MonteCarlo", "hemicube": "Hemicube", "analytic": "Analytic"}  # words of the API
 SOLVE_OPTIONS = (
     "unit", "fix_normals", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed",
-    "resolution", "samples", "bounces", "rtol", "threads",
+    "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint",
 )  # fmt: skip
 ONLY_FOR = {
     **dict.fromkeys(("rays", "light_rays", "sampling", "replicates", "seed"), "monte-carlo"),
@@ -70,6 +72,15 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     )
     group = parser.add_argument_group("work")
     group.add_argument("--threads", type=count, metavar="N", help="(default: as many as there are processors)")
+    group.add_argument(
+        "--memory",
+        type=bytes_of,
+        metavar="SIZE",
+        help="refuse more for form factors, as 4G (default: 80 % of what is free)",
+    )
+    group.add_argument(
+        "--checkpoint", type=Path, metavar="FOLDER", help="keep finished rows there; run again to go on after Ctrl-C"
+    )
     group.add_argument("-q", "--quiet", action="store_true", help="say only what is wrong")
 
 
@@ -100,6 +111,8 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
         "solver": rad.Neumann() if args.rtol is None else rad.Neumann(rtol=args.rtol),
         "bounces": args.bounces,
         "threads": args.threads,
+        "memory_limit": args.memory,
+        "checkpoint": args.checkpoint,
     }
 
 
@@ -165,6 +178,18 @@ def positive(text: str) -> float:
     if not 0.0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
     return number
+
+
+def bytes_of(text: str) -> int:
+    """Bytes, or thousands, millions … of them.
+
+    >>> bytes_of("4G"), bytes_of("1.5 GB"), bytes_of("800M")
+    (4000000000, 1500000000, 800000000)
+    """
+    found = SIZE.fullmatch(text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size, as in 4G or 800M")
+    return round(positive(found[1]) * 1000.0 ** " KMGT".index(found[2].upper() or " "))
 
 
 def channels(text: str) -> list[float]:

@@ -14,15 +14,20 @@ GRACE = 0.8  # seconds from Ctrl-C until a library that does not listen is left 
 
 
 @contextmanager
-def interruptible() -> Iterator[None]:
+def interruptible(words: Callable[[], str]) -> Iterator[None]:
     """Have Ctrl-C end the program soon, also while compiled code runs that does not listen.
 
     Python raises KeyboardInterrupt between two of its own steps; a compiler may not take one for long. What is being
     written is in a temporary file until it is whole, so that leaving is safe.
+
+    Parameters
+    ----------
+    words : callable
+        What to say where the program had to be left.
     """
 
     def interrupt(*_: Any) -> None:
-        leave = threading.Timer(GRACE, _leave)
+        leave = threading.Timer(GRACE, lambda: _leave(words()))
         leave.daemon = True
         leave.start()
         raise KeyboardInterrupt
@@ -51,9 +56,9 @@ def _handling(handler: Callable[..., None]) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _leave() -> None:
+def _leave(words: str = "interrupted") -> None:
     """End the process as it stands."""
     show_cursor = b"\x1b[?25h" if os.isatty(2) else b""
     with suppress(OSError):
-        os.write(2, show_cursor + b"error: interrupted\n")
+        os.write(2, show_cursor + f"error: {words}\n".encode())
     os._exit(INTERRUPTED)

@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     screen = Screen(quiet=getattr(args, "quiet", False))
-    with interruptible(), screen.warnings():
+    with interruptible(lambda: _interrupted(args)), screen.warnings():
         return _run(args, screen)
 
 
@@ -61,7 +61,7 @@ def _run(args: argparse.Namespace, screen: Screen) -> int:
     try:
         args.run(args, screen)
     except KeyboardInterrupt:
-        screen.error("interrupted; nothing half-written is left")
+        screen.error(_interrupted(args))
         return INTERRUPTED
     except RadiosityError as error:
         screen.error(str(error))
@@ -73,6 +73,14 @@ def _run(args: argparse.Namespace, screen: Screen) -> int:
         screen.error(f"{type(error).__name__}: {error}")
         return FAILED
     return 0
+
+
+def _interrupted(args: argparse.Namespace) -> str:
+    """What is left after Ctrl-C, and how to go on."""
+    folder = getattr(args, "checkpoint", None)
+    if folder is None or not folder.is_dir():
+        return "interrupted; nothing half-written is left"
+    return f"interrupted; the rows that were finished are kept in {folder}: the same command goes on from there"
 
 
 def parser() -> argparse.ArgumentParser:

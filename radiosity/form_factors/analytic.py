@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormFactorError, MemoryLimitError, OccludedSceneError
+from ..errors import FormFactorError, OccludedSceneError
 from ..faces import Faces
 from ..parallel import blocks
 from ..patches import Patches
-from ..progress import Progress, quiet
 from ..rays import Tracer
-from .assembly import RowBlock, Rows, stack_rows
+from .assembly import RowBlock, RowMaker
 from .contour import exchange_area_matrix
 
 FloatArray = NDArray[np.float64]
@@ -23,7 +21,8 @@ BoolArray = NDArray[np.bool_]
 
 ON_PLANE = 1e-6  # of the scene's size: what stands out less lies in the plane; float32 coordinates are off by 1e-7
 ROW_SUM_TOLERANCE = 1e-6  # rows that pass 1 by more are of surfaces that overlap
-BLOCK_ROWS = 256
+MOST_ROWS = 256  # at once
+PAIRS = 1 << 18  # at once: a sixth of a second
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Analytic:
     Raises
     ------
     OccludedSceneError
-        From `estimate`, naming the two faces.
+        From `form_factors`, naming the two faces.
 
     References
     ----------
@@ -55,64 +54,73 @@ class Analytic:
     """
 
     rays: ClassVar[int] = 0
+    replicates: ClassVar[int] = 1
 
-    def estimate(
-        self,
-        patches: Patches,
-        tracer: Tracer | None = None,  # noqa: ARG002  # estimators are called alike; this one sends no rays
-        dtype: type[np.float32] | type[np.float64] = np.float64,
-        threads: int | None = None,
-        progress: Progress = quiet,
-    ) -> list[Rows]:
-        """One matrix, in a list.
+    def rows(self, patches: Patches, tracer: Tracer | None = None, replicate: int = 0) -> RowMaker:  # noqa: ARG002
+        """What makes the rows; it sends no rays, and there is but one estimate.
 
         Raises
         ------
         OccludedSceneError
             Two faces of which one may hide something, or shows the other its back.
-        FormFactorError
-            Surfaces that overlap: a row adds up to more than 1.
-        MemoryLimitError
-            More patches than the machine's memory has room for.
         """
         check_unoccluded(patches.grid.faces, patches.surface_names)
-        count = len(patches)
-        _check_memory(count)
-        exchange = exchange_area_matrix(patches.corners, threads=threads)
-
-        def told(done: int) -> None:
-            progress("form factors", done, count)
-
-        made = (_row_block(exchange, patches.area, block) for block in blocks(count, BLOCK_ROWS))
-        return [stack_rows(made, count, int(np.count_nonzero(exchange)), 1.0, dtype, told)]
+        return ExactRows(patches)
 
 
-def _row_block(exchange: FloatArray, area: FloatArray, block: tuple[int, int]) -> RowBlock:
-    begin, end = block
-    factors = exchange[begin:end] / area[begin:end, None]
-    sums = factors.sum(axis=1)
-    worst = int(np.argmax(sums))
-    if sums[worst] > 1.0 + ROW_SUM_TOLERANCE:
-        raise FormFactorError(
-            f"form factors of patch {begin + worst} add up to {sums[worst]:.7g}: it faces surfaces that overlap or "
-            "touch it; leave out the doubles"
-        )
-    row, column = np.nonzero(factors)
-    lengths = np.bincount(row, minlength=end - begin)
-    to_sky = np.maximum(0.0, 1.0 - sums)  # below zero by rounding only
-    return RowBlock(begin, lengths, column.astype(np.int32), factors[row, column], to_sky, np.zeros(end - begin))
+class ExactRows:
+    """Exchange areas of the patches begin … end with all others, over their own areas.
 
+    A pair is computed in the same order, the lower number first, from either side: G is symmetric to the last digit.
+    Rows by themselves take each pair twice, once from each side; `at_once` computes all pairs, once, and keeps them.
+    """
 
-def _check_memory(count: int) -> None:
-    """Refuse exchange areas, dense and as rows, that would not fit into the machine."""
-    needed = 20 * count**2
-    if not hasattr(os, "sysconf"):
-        return
-    available = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if needed > 0.8 * available:
-        raise MemoryLimitError(
-            f"exact factors of {count} patches take {needed / 1e9:.1f} GB, and this machine has {available / 1e9:.1f}: "
-            "take fewer patches, or MonteCarlo()"
+    divisor = 1.0
+    exact_columns: BoolArray | None = None
+
+    def __init__(self, patches: Patches) -> None:
+        self.area, self.corners = patches.area, patches.corners
+        self.most = len(patches)
+        self.rows_at_once = max(1, min(MOST_ROWS, PAIRS // len(patches)))
+        self.exchange: FloatArray | None = None
+
+    def at_once(self, threads: int | None = None) -> ExactRows:
+        """Compute all pairs now, on threads: half the work, for 8 bytes a pair."""
+        self.exchange = exchange_area_matrix(self.corners, threads=threads)
+        return self
+
+    def __call__(self, span: tuple[int, int]) -> RowBlock:
+        """Make rows.
+
+        Raises
+        ------
+        FormFactorError
+            Surfaces that overlap: a row adds up to more than 1.
+        """
+        begin, end = span
+        exchange = self._exchange(begin, end) if self.exchange is None else self.exchange[begin:end]
+        factors = exchange / self.area[begin:end, None]
+        sums = factors.sum(axis=1)
+        worst = int(np.argmax(sums))
+        if sums[worst] > 1.0 + ROW_SUM_TOLERANCE:
+            raise FormFactorError(
+                f"form factors of patch {begin + worst} add up to {sums[worst]:.7g}: it faces surfaces that overlap or "
+                "touch it; leave out the doubles"
+            )
+        row, column = np.nonzero(factors)
+        lengths = np.bincount(row, minlength=end - begin)
+        to_sky = np.maximum(0.0, 1.0 - sums)  # below zero by rounding only
+        return RowBlock(begin, lengths, column.astype(np.int32), factors[row, column], to_sky, np.zeros(end - begin))
+
+    def _exchange(self, begin: int, end: int) -> FloatArray:
+        """Rows begin … end of the exchange areas."""
+        before, here, after = self.corners[:begin], self.corners[begin:end], self.corners[end:]
+        return np.hstack(
+            [
+                exchange_area_matrix(before, here, threads=1).T,
+                exchange_area_matrix(here, threads=1),
+                exchange_area_matrix(here, after, threads=1),
+            ]
         )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numba
 import numpy as np
@@ -14,7 +14,10 @@ from scipy.sparse import csr_array
 from ..rays import MISS
 
 FloatArray = NDArray[np.float64]
+Float = type[np.float32] | type[np.float64]
 
+MEAN_ENTRIES = 1 << 20  # of a mean that are summed at a time
+ROOM = 1.02  # taken for entries still to come, over what the rows so far foretell
 ONE = np.uint64(1)
 DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)  # its 64 runs of six bits are all different
 BIT_OF = np.zeros(64, dtype=np.int64)
@@ -31,10 +34,49 @@ class RowBlock(NamedTuple):
     begin: int
     lengths: NDArray[np.int64]
     indices: NDArray[np.int32]
-    weights: NDArray[np.int32] | FloatArray
+    weights: NDArray[np.int32] | NDArray[np.floating[Any]]
     to_sky: NDArray[np.int64] | FloatArray
     to_backs: NDArray[np.int64] | FloatArray
     shadow_rays: int = 0
+
+    @property
+    def end(self) -> int:
+        """The row after the last one."""
+        return self.begin + len(self.lengths)
+
+    def finished(self, divisor: float, dtype: Float) -> RowBlock:
+        """Shares of the final type, from weights and shares that have still to be divided (by the rays, say)."""
+        weights = np.empty(len(self.weights), dtype=dtype)
+        np.divide(self.weights, divisor, out=weights, casting="unsafe")
+        return self._replace(weights=weights, to_sky=self.to_sky / divisor, to_backs=self.to_backs / divisor)
+
+
+ARRAYS = RowBlock._fields[1:6]
+
+
+class RowMaker(Protocol):
+    """What makes the rows of one estimate. Rows must not depend on which others are made with them, or before.
+
+    Attributes
+    ----------
+    rows_at_once : int
+        Rows whose rays and hits fit the processor's caches.
+    most : int
+        Entries of a row, at most.
+    divisor : float
+        What weights and shares have still to be divided by.
+    exact_columns : ndarray of bool (N,) or None
+        Columns that are not sampled.
+    """
+
+    rows_at_once: int
+    most: int
+    divisor: float
+    exact_columns: NDArray[np.bool_] | None
+
+    def __call__(self, span: tuple[int, int]) -> RowBlock:
+        """Make the rows begin … end."""
+        ...
 
 
 class Rows(NamedTuple):
@@ -47,58 +89,95 @@ class Rows(NamedTuple):
     exact_columns: NDArray[np.bool_] | None = None
 
 
+def joined(blocks: Sequence[RowBlock]) -> RowBlock:
+    """One block of several that follow each other."""
+    if len(blocks) == 1:
+        return blocks[0]
+    arrays = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in ARRAYS}
+    return RowBlock(blocks[0].begin, **arrays, shadow_rays=sum(block.shadow_rays for block in blocks))
+
+
 def stack_rows(
     blocks: Iterable[RowBlock],
     count: int,
-    most: int,
-    divisor: float,
-    dtype: type[np.float32] | type[np.float64],
+    dtype: Float,
     done: Callable[[int], None] | None = None,
+    columns: int | None = None,
 ) -> Rows:
-    """Put row blocks, which come in order, into one CSR matrix.
+    """Put finished row blocks, which come in order, into one CSR matrix.
 
-    Room for the most entries there can be is reserved, written once and cut to size, so that the peak is
-    the matrix itself and one block (the system hands out pages as they are first written).
+    Room is taken as the blocks so far foretell and grows where they err, so that the peak is the matrix itself and one
+    block: the system moves large arrays without a copy, and hands out pages as they are first written.
 
     Parameters
     ----------
     blocks : iterable of RowBlock
     count : int
-        Rows and columns N.
-    most : int
-        Upper bound of the entries.
-    divisor : float
-        Weights and shares are divided by this (the rays, where they are counts).
+        Rows N.
     dtype : float32 or float64
     done : callable, optional
         Told how many rows are ready.
+    columns : int, optional
+        As many as rows by default.
     """
     indptr = np.zeros(count + 1, dtype=np.int64)
-    indices = np.empty(most, dtype=np.int32)
-    data = np.empty(most, dtype=dtype)
+    indices, data = np.empty(0, dtype=np.int32), np.empty(0, dtype=dtype)
     to_sky, to_backs = np.empty(count), np.empty(count)
     filled = shadow_rays = 0
     for block in blocks:
-        rows = slice(block.begin, block.begin + len(block.lengths))
-        entries = slice(filled, filled + len(block.indices))
+        rows, entries = slice(block.begin, block.end), slice(filled, filled + len(block.indices))
+        if entries.stop > len(indices):
+            room = max(entries.stop, int(ROOM * entries.stop / block.end * count))
+            indices, data = _with_room(indices, room), _with_room(data, room)
         indptr[rows.start + 1 : rows.stop + 1] = filled + np.cumsum(block.lengths)
-        indices[entries] = block.indices
-        np.divide(block.weights, divisor, out=data[entries], casting="unsafe")
-        to_sky[rows] = block.to_sky / divisor
-        to_backs[rows] = block.to_backs / divisor
+        indices[entries], data[entries] = block.indices, block.weights
+        to_sky[rows], to_backs[rows] = block.to_sky, block.to_backs
         filled = entries.stop
         shadow_rays += block.shadow_rays
         if done is not None:
             done(rows.stop)
     indices.resize(filled, refcheck=False)
     data.resize(filled, refcheck=False)
-    index_type = np.int32 if filled < np.iinfo(np.int32).max else np.int64
+    shape = count, count if columns is None else columns
+    return Rows(compressed(indptr, indices, data, shape), to_sky, to_backs, shadow_rays)
+
+
+def mean_rows(runs: Sequence[Rows], dtype: Float, done: Callable[[int], None] | None = None) -> Rows:
+    """Mean of independent estimates, rounded once; block by block, so that nothing but the mean itself is added."""
+    count, columns = runs[0].matrix.shape
+
+    def blocks() -> Iterator[RowBlock]:
+        per_row = max(1, sum(run.matrix.nnz for run in runs) // count)
+        for begin in range(0, count, max(1, MEAN_ENTRIES // per_row)):
+            total = sum(run.matrix[begin : begin + max(1, MEAN_ENTRIES // per_row)].astype(np.float64) for run in runs)
+            weights = (total.data / len(runs)).astype(dtype)
+            rows = slice(begin, begin + total.shape[0])
+            yield RowBlock(begin, np.diff(total.indptr), total.indices, weights, to_sky[rows], to_backs[rows])
+
+    to_sky, to_backs = (np.mean([getattr(run, name) for run in runs], axis=0) for name in ("to_sky", "to_backs"))
+    rows = stack_rows(blocks(), count, dtype, done, columns)
+    return rows._replace(shadow_rays=sum(run.shadow_rays for run in runs), exact_columns=runs[0].exact_columns)
+
+
+def _with_room(array: NDArray[Any], size: int) -> NDArray[Any]:
+    """An array with room for more; new room at the first time, which costs nothing before it is written."""
+    if not len(array):
+        return np.empty(size, dtype=array.dtype)
+    array.resize(size, refcheck=False)
+    return array
+
+
+def compressed(
+    indptr: NDArray[np.int64], indices: NDArray[np.int32], data: NDArray[Any], shape: tuple[int, int]
+) -> csr_array:
+    """A `csr_array` of rows in order of columns, without copying what is large. Both index arrays need one type."""
+    index_type = np.int32 if len(indices) < np.iinfo(np.int32).max else np.int64
     matrix = csr_array(
-        (data, indices.astype(index_type, copy=False), indptr.astype(index_type)), shape=(count, count), copy=False
+        (data, indices.astype(index_type, copy=False), indptr.astype(index_type)), shape=shape, copy=False
     )
     matrix.has_sorted_indices = True
     matrix.has_canonical_format = True
-    return Rows(matrix, to_sky, to_backs, shadow_rays)
+    return matrix
 
 
 class _Room(threading.local):

@@ -15,7 +15,7 @@ this depends on how strong the emitters are: F stays purely geometric, and right
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -115,7 +115,7 @@ class _Counted(NamedTuple):
 
     lengths: IntArray
     indices: NDArray[np.int32]
-    hits: NDArray[np.int32] | FloatArray
+    hits: NDArray[np.int32] | NDArray[np.floating[Any]]
 
 
 class _Places(NamedTuple):

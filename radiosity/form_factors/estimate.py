@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import os
 import time
+from concurrent.futures import Executor
+from contextlib import closing
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..errors import ParameterError
+from ..executors import Crew
 from ..patches import Patches
 from ..progress import Progress, quiet
 from ..rays import Tracer
-from .analytic import Analytic
-from .assembly import Rows
+from .analytic import Analytic, ExactRows
+from .assembly import Float, Rows, mean_rows, stack_rows
+from .checkpoint import Checkpoint
+from .cost import check_cost
 from .factors import FormFactors
 from .hemicube import Hemicube
+from .identity import fingerprint
 from .monte_carlo import MonteCarlo
+from .workers import RowsToMake
 
 ALL = 1.0 - 1e-6  # of a row that goes to the sky
 Estimator = MonteCarlo | Hemicube | Analytic
@@ -27,6 +36,9 @@ def form_factors(
     *,
     dtype: Any = np.float32,
     threads: int | None = None,
+    executor: Executor | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    memory_limit: float | None = None,
     progress: Progress | None = None,
 ) -> FormFactors:
     """Form factors between patches.
@@ -40,6 +52,14 @@ def form_factors(
         Of the weights. A row of float32 weights adds up to 1 within about 1e-7.
     threads : int, optional
         As many as there are processors by default. The result has the same bits for any number.
+    executor : concurrent.futures.Executor, optional
+        Whose workers make the rows, instead of threads: a ``ProcessPoolExecutor``, or ``client.get_executor()`` of a
+        dask client. The result has the same bits. Rows of a lost worker are made again.
+    checkpoint : path, optional
+        A folder that keeps finished rows. An interrupted call that is made again goes on from them, and gives the same
+        bits.
+    memory_limit : float, optional
+        Bytes that the factors may take; by default four fifths of what is free.
     progress : callable, optional
         Called as ``progress(stage, rows done, rows in all)``.
 
@@ -51,7 +71,16 @@ def form_factors(
     Raises
     ------
     ParameterError
-        A dtype that is neither.
+        A dtype that is neither; an executor or a checkpoint that is none.
+    MemoryLimitError
+        More than the memory limit, foretold before anything is assembled; with the figures and the ways out.
+    WorkerLostError
+        Workers are lost again and again at the same rows.
+
+    Warns
+    -----
+    CheckpointWarning
+        Rows in the checkpoint that are damaged, and are made again.
 
     Examples
     --------
@@ -64,21 +93,60 @@ def form_factors(
     kind = np.dtype(dtype).type
     if kind not in (np.float32, np.float64):
         raise ParameterError(f"dtype is {dtype!r}; give float32 or float64")
+    if executor is not None:
+        Crew(executor)
     estimator = MonteCarlo() if estimator is None else estimator
     begin = time.perf_counter()
     tracer = Tracer(patches.grid)
     built = time.perf_counter()
-    runs = [
-        _factors(rows, patches, estimator)
-        for rows in estimator.estimate(patches, tracer, kind, threads, progress or quiet)
-    ]
-    factors = runs[0] if len(runs) == 1 else _mean(runs, kind)
+    makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
+    check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
+    key = fingerprint(patches, estimator, kind) if executor is not None or checkpoint is not None else ""
+    kept = None
+    if checkpoint is not None:
+        kept = Checkpoint(checkpoint, key, f"{patches.name}, {len(patches)} patches, by {estimator}, {np.dtype(kind)}")
+    elif executor is None and isinstance(makers[0], ExactRows):
+        makers[0].at_once(threads)
+    tell = progress or quiet
+    runs = []
+    for replicate, maker in enumerate(makers):
+        work = RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor)
+        runs.append(_assemble(work, kept, tell))
+    factors = _with_replicates(runs, patches, estimator, kind)
     seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
     factors.statistics.update(_counters(factors, estimator, patches), **seconds)
     return factors
 
 
-def _factors(rows: Rows, patches: Patches, estimator: Estimator) -> FormFactors:
+def _assemble(work: RowsToMake, kept: Checkpoint | None, tell: Progress) -> Rows:
+    """All rows of one replicate."""
+    count, replicates = len(work.patches), work.estimator.replicates
+
+    def told(rows: int) -> None:
+        tell("form factors", work.replicate * count + rows, replicates * count)
+
+    if kept is None:
+        blocks = work.make([(0, count)])
+    else:
+        blocks = kept.rows(work, count, work.estimator.rays // replicates or count)
+    with closing(blocks):
+        rows = stack_rows(blocks, count, work.dtype, told)
+    return rows._replace(exact_columns=work.maker.exact_columns)
+
+
+def _with_replicates(runs: list[Rows], patches: Patches, estimator: Estimator, dtype: Float) -> FormFactors:
+    """Factors from rows; where there are several independent estimates, their mean, which keeps them."""
+    found = [_factors(rows, patches, estimator) for rows in runs]
+    if len(found) == 1:
+        return found[0]
+    mean = _factors(mean_rows(runs, dtype), patches, estimator, tuple(found))
+    mean.statistics["leaks/share"] = float(np.mean([run.statistics["leaks/share"] for run in found]))
+    return replace(mean, to_sky=np.mean([run.to_sky for run in found], axis=0))
+
+
+def _factors(
+    rows: Rows, patches: Patches, estimator: Estimator, replicates: tuple[FormFactors, ...] = ()
+) -> FormFactors:
     """Factors from rows. Rays that leave a closed scene have leaked, but for patches that see nothing else: outside."""
     inside = rows.to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
     to_sky = np.where(inside, 0.0, rows.to_sky)
@@ -94,30 +162,8 @@ def _factors(rows: Rows, patches: Patches, estimator: Estimator) -> FormFactors:
             "leaks/share": float(np.mean(np.where(inside, rows.to_sky, 0.0))),
             "rays/to emitters": rows.shadow_rays,
         },
-        exact_columns=rows.exact_columns,
-    )
-
-
-def _mean(runs: list[FormFactors], kind: type[np.float32] | type[np.float64]) -> FormFactors:
-    """The mean of independent estimates, which keeps them."""
-    total = runs[0].matrix.astype(np.float64)
-    for run in runs[1:]:
-        total = total + run.matrix
-    matrix = (total / len(runs)).astype(kind)
-    first = runs[0]
-    to_sky, to_backs = (np.mean([getattr(run, name) for run in runs], axis=0) for name in ("to_sky", "to_backs"))
-    leaks = float(np.mean([run.statistics["leaks/share"] for run in runs]))
-    return FormFactors(
-        matrix,
-        to_sky,
-        to_backs,
-        first.area,
-        first.surface,
-        first.surface_names,
-        first.estimator,
-        {"leaks/share": leaks, "rays/to emitters": sum(run.statistics["rays/to emitters"] for run in runs)},
-        tuple(runs),
-        first.exact_columns,
+        replicates,
+        rows.exact_columns,
     )
 
 

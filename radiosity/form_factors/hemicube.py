@@ -6,17 +6,16 @@ Cohen & Greenberg (1985, doi 10.1145/325334.325171); Cohen & Wallace (1993), §4
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ParameterError
-from ..parallel import blocks, ordered_map
 from ..patches import Patches
-from ..progress import Progress, quiet
 from ..rays import MISS, Tracer, patch_point
-from .assembly import RowBlock, Rows, stack_rows
+from .assembly import RowBlock, RowMaker
 
 FloatArray = NDArray[np.float64]
 
@@ -40,6 +39,7 @@ class Hemicube:
         Points per patch, the middles of as many cells of equal area; one stands in its middle.
     """
 
+    replicates: ClassVar[int] = 1
     resolution: int = 64
     samples: int = 1
 
@@ -54,27 +54,34 @@ class Hemicube:
         """Rays per patch."""
         return 3 * self.resolution**2 * self.samples
 
-    def estimate(
-        self,
-        patches: Patches,
-        tracer: Tracer,
-        dtype: type[np.float32] | type[np.float64],
-        threads: int | None = None,
-        progress: Progress = quiet,
-    ) -> list[Rows]:
-        """One matrix, in a list."""
-        directions, weights = pixels(self.resolution)
-        points = sample_points(self.samples)
+    def rows(self, patches: Patches, tracer: Tracer, replicate: int = 0) -> RowMaker:  # noqa: ARG002  there is but one
+        """What makes the rows."""
+        return _Hemicubes(self, patches, tracer)
 
-        def rows(block: tuple[int, int]) -> RowBlock:
-            return _row_block(patches, tracer, directions, weights, points, block)
 
-        def told(done: int) -> None:
-            progress("form factors", done, len(patches))
+class _Hemicubes:
+    """Look out of the patches begin … end, and add up the delta form factors of what is seen."""
 
-        spans = blocks(len(patches), max(1, BATCH // self.rays))
-        most = len(patches) * min(len(patches), self.rays)
-        return [stack_rows(ordered_map(rows, spans, threads), len(patches), most, 1.0, dtype, told)]
+    divisor = 1.0
+    exact_columns: NDArray[np.bool_] | None = None
+
+    def __init__(self, method: Hemicube, patches: Patches, tracer: Tracer) -> None:
+        self.patches, self.tracer = patches, tracer
+        self.directions, self.weights = pixels(method.resolution)
+        self.points = sample_points(method.samples)
+        self.rows_at_once = max(1, BATCH // method.rays)
+        self.most = method.rays
+
+    def __call__(self, span: tuple[int, int]) -> RowBlock:
+        begin, end = span
+        patches, grid, table = self.patches, self.patches.grid, self.tracer.table
+        rays = (end - begin) * len(self.points) * len(self.weights)
+        origins, directions = np.empty((rays, 3), dtype=np.float32), np.empty((rays, 3), dtype=np.float32)
+        place = table, patches.face, patches.side, grid.front, grid.back
+        hemicube_rays(*place, begin, end, self.points, self.directions, origins, directions)
+        item_buffer = self.tracer.run(origins, directions)
+        each = self.weights / len(self.points)
+        return RowBlock(begin, *sum_weights(item_buffer, each, end - begin, len(patches)))
 
 
 def _top_integral(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -135,35 +142,6 @@ def sample_points(samples: int) -> FloatArray:
         points += [((k + 0.5) / here, height) for k in range(here)]
         top += here
     return np.array(points)
-
-
-def _row_block(
-    patches: Patches,
-    tracer: Tracer,
-    pixel_directions: FloatArray,
-    weights: FloatArray,
-    points: FloatArray,
-    block: tuple[int, int],
-) -> RowBlock:
-    begin, end = block
-    grid = patches.grid
-    rays = (end - begin) * len(points) * len(weights)
-    origins, directions = np.empty((rays, 3), dtype=np.float32), np.empty((rays, 3), dtype=np.float32)
-    hemicube_rays(
-        tracer.table,
-        patches.face,
-        patches.side,
-        grid.front,
-        grid.back,
-        begin,
-        end,
-        points,
-        pixel_directions,
-        origins,
-        directions,
-    )
-    item_buffer = tracer.run(origins, directions)
-    return RowBlock(begin, *sum_weights(item_buffer, weights / len(points), end - begin, len(patches)))
 
 
 @numba.njit(nogil=True, cache=True)

@@ -11,12 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ParameterError
-from ..parallel import blocks, ordered_map
 from ..patches import Patches
-from ..progress import Progress, quiet
 from ..rays import Tracer, patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
-from .assembly import RowBlock, Rows, count_hits, stack_rows
+from .assembly import RowBlock, RowMaker, count_hits
 from .direct_light import DirectLight, worthwhile_emitters
 
 LEAST_LIGHT_RAYS = 256  # by default
@@ -88,29 +86,9 @@ class MonteCarlo:
         """Number of independent rays, where hits are binomial; None where they are not independent."""
         return self.rays if self.sampling == "random" and not self.light_rays else None
 
-    def estimate(
-        self,
-        patches: Patches,
-        tracer: Tracer,
-        dtype: type[np.float32] | type[np.float64],
-        threads: int | None = None,
-        progress: Progress = quiet,
-    ) -> list[Rows]:
-        """One matrix for each replicate."""
-        each = self.rays // self.replicates
-        runs = []
-        for replicate in range(self.replicates):
-
-            def told(rows: int, before: int = replicate * len(patches)) -> None:
-                progress("form factors", before + rows, self.replicates * len(patches))
-
-            block_of_rows = _BlockOfRows(self, patches, tracer, replicate)
-            spans = blocks(len(patches), max(1, BATCH // each))
-            most = len(patches) * min(block_of_rows.most, len(patches))
-            made = ordered_map(block_of_rows, spans, threads)
-            rows = stack_rows(made, len(patches), most, block_of_rows.divisor, dtype, told)
-            runs.append(rows._replace(exact_columns=block_of_rows.exact_columns))
-        return runs
+    def rows(self, patches: Patches, tracer: Tracer, replicate: int = 0) -> RowMaker:
+        """What makes the rows of one replicate."""
+        return _BlockOfRows(self, patches, tracer, replicate)
 
 
 class _BlockOfRows:
@@ -119,26 +97,27 @@ class _BlockOfRows:
     def __init__(self, method: MonteCarlo, patches: Patches, tracer: Tracer, replicate: int) -> None:
         self.patches, self.tracer = patches, tracer
         self.rays = method.rays // method.replicates
+        self.rows_at_once = max(1, BATCH // self.rays)
         self.run = seed_key(method.seed, replicate)
         light_rays = method.light_rays // method.replicates
         emitters = worthwhile_emitters(patches, self.rays, light_rays)
-        self.most = self.rays  # entries in a row
-        self.divisor = float(self.rays)  # of what the rows hold
+        self.most = self.rays
+        self.divisor = float(self.rays)
         self.direct: DirectLight | None = None
         self.exact_columns: NDArray[np.bool_] | None = None
         if emitters is not None:
             run = seed_key(method.seed, replicate, DIRECT)
             self.direct = DirectLight(patches, tracer, emitters, light_rays, run, method.sampling)
             self.exact_columns = emitters.columns
-            self.most += int(emitters.columns.sum())
+            self.most += min(int(emitters.columns.sum()), len(emitters) * light_rays)
             self.divisor = 1.0
         if method.sampling == "sobol":
             self.points = np.ascontiguousarray(sobol_points(self.rays, 4, int(self.run)).T)
         else:
             self.points = np.empty((4, 0), dtype=np.uint32)
 
-    def __call__(self, block: tuple[int, int]) -> RowBlock:
-        begin, end = block
+    def __call__(self, span: tuple[int, int]) -> RowBlock:
+        begin, end = span
         origins = np.empty(((end - begin) * self.rays, 3), dtype=np.float32)
         directions = np.empty_like(origins)
         grid = self.patches.grid

@@ -163,10 +163,21 @@ def test_doubled_surfaces_are_refused():
         rad.form_factors(rad.subdivide(rad.Scene(twice, closed=True)), rad.Analytic())
 
 
-def test_more_patches_than_memory_has_room_for(monkeypatch):
-    monkeypatch.setattr(analytic.os, "sysconf", lambda name: 1 if name == "SC_PAGE_SIZE" else 10_000)
-    with pytest.raises(MemoryLimitError, match="fewer patches"):
-        rad.form_factors(rad.subdivide(rad.scenes.furnace(), patch_count=100), rad.Analytic())
+def test_more_patches_than_memory_has_room_for():
+    """All pairs at once take 8 bytes each beside the rows."""
+    patches = rad.subdivide(rad.scenes.furnace(), patch_count=96)
+    with pytest.raises(MemoryLimitError, match=r"96 patches.*would take \d+ kB.*fewer patches"):
+        rad.form_factors(patches, rad.Analytic(), memory_limit=8 * 96**2 + 50_000)
+    rad.form_factors(patches, rad.Analytic(), memory_limit=8 * 96**2 + 70_000)
+
+
+def test_rows_by_themselves_are_the_rows_of_all_pairs():
+    """A worker makes rows without the others; the lower patch of a pair comes first, from either side."""
+    patches = rad.subdivide(rad.scenes.furnace(), patch_count=96)
+    alone, together = analytic.ExactRows(patches), analytic.ExactRows(patches).at_once()
+    for span in ((0, 7), (7, 50), (50, 96)):
+        for one, other in zip(alone(span), together(span), strict=True):
+            assert np.array_equal(one, other)
 
 
 # Against the sampling estimators

@@ -1,0 +1,207 @@
+"""What form factors will take, in bytes and seconds, before they are assembled.
+
+How many entries a row has cannot be said from its number of rays, because rays meet the same patch more than once; how
+long it takes depends on the scene and the machine. So a small sample of the very rows is made, evenly chosen, and
+thrown away.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..memory import gigabytes, limit_bytes, refuse_above
+from ..parallel import blocks, ordered_map, thread_count
+from ..patches import Patches
+from ..rays import Tracer
+from .analytic import ExactRows
+from .assembly import Float, RowMaker, Rows, mean_rows, stack_rows
+from .workers import Span
+
+if TYPE_CHECKING:
+    from .estimate import Estimator
+
+SAMPLED = 16  # blocks of rows, as they are made at once
+LEAST_SAMPLE = 1 / 24  # of the rows, where there are few blocks
+PER_ROW = 24  # bytes beside the entries: where a row begins, its shares to sky and backs
+BESIDE = 100_000_000  # bytes of blocks under way, at most
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What an assembly will take, foretold from a sample of its rows.
+
+    Attributes
+    ----------
+    patches : int
+        N.
+    nonzeros : int
+        Entries of the matrix; of the mean of all replicates, where there are several.
+    bytes : int
+        Of the form factors once they are there, replicates included.
+    peak_bytes : int
+        Most that is needed at any time on the way.
+    seconds : float
+        On this machine, with the given number of threads, kernels being compiled.
+    sampled : int
+        Rows that this was foretold from.
+    """
+
+    patches: int
+    nonzeros: int
+    bytes: int
+    peak_bytes: int
+    seconds: float
+    sampled: int
+
+    def __str__(self) -> str:
+        """One line."""
+        return (
+            f"{self.patches:,} patches: about {self.nonzeros:,} non-zeros, {gigabytes(self.bytes)} "
+            f"({gigabytes(self.peak_bytes)} at the peak), {self.seconds:.2g} s"
+        )
+
+
+def predict(
+    patches: Patches,
+    estimator: Estimator | None = None,
+    dtype: Any = np.float32,
+    threads: int | None = None,
+    tracer: Tracer | None = None,
+) -> Cost:
+    """Bytes and seconds that `form_factors` will take.
+
+    Nothing is kept; the sample takes a few hundredths of a second, or a twenty-fourth of the whole where that is more.
+
+    Parameters
+    ----------
+    patches : Patches
+    estimator : MonteCarlo, Hemicube or Analytic, optional
+        ``MonteCarlo()`` by default.
+    dtype : float32 or float64, optional
+    threads : int, optional
+        As many as there are processors by default.
+    tracer : Tracer, optional
+        Of these patches, if there is one already.
+
+    Returns
+    -------
+    Cost
+
+    Examples
+    --------
+    >>> import radiosity as rad
+    >>> patches = rad.subdivide(rad.scenes.furnace(), patch_count=600)
+    >>> cost = predict(patches, rad.MonteCarlo(rays=64, replicates=2))
+    >>> factors = rad.form_factors(patches, rad.MonteCarlo(rays=64, replicates=2))
+    >>> abs(cost.nonzeros / factors.matrix.nnz - 1) < 0.1
+    True
+    """
+    from .monte_carlo import MonteCarlo
+
+    estimator = MonteCarlo() if estimator is None else estimator
+    begin = time.perf_counter()
+    tracer = Tracer(patches.grid) if tracer is None else tracer
+    makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
+    ready = time.perf_counter() - begin
+    kind = np.dtype(dtype).type
+    sample = [_sample(maker, len(patches), kind, threads) for maker in makers]
+    return _scaled(sample, makers, len(patches), kind, ready)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sample:
+    rows: list[Rows]
+    count: int
+    seconds: float
+
+
+def _sample(maker: RowMaker, count: int, dtype: Float, threads: int | None) -> _Sample:
+    """Some blocks of rows, made and stacked as all will be, and the seconds that it took."""
+    spans = _evenly(blocks(count, maker.rows_at_once), thread_count(threads))
+
+    def make(span: Span) -> Rows:
+        block = maker(span).finished(maker.divisor, dtype)
+        return stack_rows([block._replace(begin=0)], len(block.lengths), dtype, columns=count)
+
+    make(spans[0])  # kernels are loaded, and their memory is there
+    begin = time.perf_counter()
+    rows = list(ordered_map(make, spans, threads))
+    return _Sample(rows, sum(end - begin for begin, end in spans), time.perf_counter() - begin)
+
+
+def _evenly(spans: Sequence[Span], threads: int) -> list[Span]:
+    """Some of the spans, from the middles of equal parts of them all; whole rounds of the threads."""
+    wanted = min(len(spans), max(SAMPLED, 2 * threads)) if len(spans) * LEAST_SAMPLE >= 1 else len(spans)
+    return [spans[int((k + 0.5) * len(spans) / wanted)] for k in range(wanted)]
+
+
+def _scaled(samples: list[_Sample], makers: list[RowMaker], count: int, dtype: Float, ready: float) -> Cost:
+    """Cost of all rows from that of some."""
+    entry = 4 + np.dtype(dtype).itemsize
+    scale = count / samples[0].count
+    nonzeros = [scale * sum(rows.matrix.nnz for rows in sample.rows) for sample in samples]
+    seconds = ready + scale * sum(sample.seconds for sample in samples)
+    whole, kept = nonzeros[0], entry * sum(nonzeros) + PER_ROW * count * len(samples)
+    if len(samples) > 1:
+        begin = time.perf_counter()
+        means = [mean_rows([sample.rows[k] for sample in samples], dtype) for k in range(len(samples[0].rows))]
+        seconds += scale * (time.perf_counter() - begin)
+        whole = scale * sum(mean.matrix.nnz for mean in means)
+        kept += entry * whole + PER_ROW * count
+    peak = kept + min(BESIDE, kept)
+    if isinstance(makers[0], ExactRows):
+        seconds, peak = ready + 0.5 * (seconds - ready), kept + 8 * count**2
+    return Cost(count, round(whole), round(kept), round(peak), seconds, samples[0].count)
+
+
+def check_cost(
+    patches: Patches,
+    estimator: Estimator,
+    makers: list[RowMaker],
+    dtype: Float,
+    memory_limit: float | None,
+    tracer: Tracer,
+    threads: int | None,
+) -> None:
+    """Refuse an assembly that would not fit the memory limit.
+
+    What could not fill it even if no two rays met the same patch is let through at once, the rest is foretold.
+
+    Raises
+    ------
+    MemoryLimitError
+        With the figures and the ways out.
+    """
+    limit = limit_bytes(memory_limit)
+    count = len(patches)
+    most = (4 + np.dtype(dtype).itemsize) * count * min(makers[0].most, count) * (2 * len(makers) - (len(makers) == 1))
+    if most + BESIDE + 8 * count**2 * isinstance(makers[0], ExactRows) <= limit:
+        return
+    cost = predict(patches, estimator, dtype, threads, tracer)
+    refuse_above(
+        limit,
+        cost.peak_bytes,
+        f"form factors of {count:,} patches by {estimator} ({cost.nonzeros:,} non-zeros, about {cost.seconds:.2g} s)",
+        _ways_out(estimator, dtype),
+        told=memory_limit is not None,
+    )
+
+
+def _ways_out(estimator: Estimator, dtype: Float) -> str:
+    ways = ["fewer patches (patch_count=, --patches)"]
+    if isinstance(getattr(estimator, "seed", None), int):
+        ways.append("fewer rays (MonteCarlo(rays=…), --rays)")
+    else:
+        ways.append("MonteCarlo() with few rays")
+    if estimator.replicates > 1:
+        ways.append("one replicate (--replicates 1) takes about a quarter to a half")
+    if dtype is np.float64:
+        ways.append("dtype=numpy.float32")
+    ways.append("the workers of a cluster hold rows between them (radiosity.form_factors.cluster)")
+    ways.append("a larger memory_limit (--memory), if there is more")
+    return "; ".join(ways)
