@@ -21,6 +21,8 @@ from .finding import Finding
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+LARGEST = 1e75  # metres: the fourth power, which the formulas need, still is a float64
+
 
 def _frozen(values: ArrayLike, dtype: Any) -> NDArray[Any]:
     """A read-only copy, so that what was valid once stays valid."""
@@ -210,6 +212,11 @@ class Surface:
         bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
         if bad.size:
             found.append(f"vertices are not finite: {_some(bad)}; mend the file or leave them out")
+        elif float(np.abs(self.vertices).max(initial=0.0)) > LARGEST:
+            found.append(
+                f"coordinates reach {np.abs(self.vertices).max():.3g} m, at most {LARGEST:g} can be computed with; "
+                "mend the file or choose another unit of length"
+            )
         lowest = np.zeros(self.faces.shape[1], dtype=np.int64)
         if self.faces.shape[1] == 4:
             lowest[3] = -1  # -1 pads a triangle

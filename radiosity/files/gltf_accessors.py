@@ -37,6 +37,11 @@ class Accessors:
         self._views = checked.mappings(document, "bufferViews", "glTF")
         self._buffers = buffers
 
+    @property
+    def size(self) -> int:
+        """Bytes of all buffers."""
+        return sum(map(len, self._buffers))
+
     def count(self, obj: JSON, key: str, where: str) -> int:
         """How many elements the accessor has that `obj[key]` names."""
         k = checked.index(obj, key, where, len(self._accessors), "accessors")

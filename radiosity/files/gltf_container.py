@@ -64,6 +64,8 @@ def _chunks(content: bytes) -> tuple[bytes, bytes | None]:
         raise FileFormatError(f"a GLB of version {version}; expected 2, so export it again as glTF 2.0")
     if length > len(content):
         raise FileFormatError(f"the header says {length} bytes, the file has {len(content)}: it is truncated")
+    if length < len(content):
+        raise FileFormatError(f"the header says {length} bytes, the file has {len(content)}: it is damaged")
     chunks: dict[int, bytes] = {}
     place = 12
     while place + 8 <= length:

@@ -24,7 +24,8 @@ from .gltf_textures import Pictures
 from .names import unique_names
 from .notes import Notes
 
-LARGEST = 50_000_000  # triangles; a small file can name one large mesh a million times
+LARGEST = 50_000_000  # triangles
+COPIES = 4_000_000  # triangles beyond those that the file can hold: a small file can name one mesh a million times
 UNDERSTOOD = {
     STRENGTH,
     "KHR_lights_punctual",
@@ -132,8 +133,11 @@ class _Reader:
         """All primitives of triangles, in the world's coordinates."""
         found = list(self._walk())
         total = sum(self._triangle_count(m) for k, _ in found if (m := self._mesh_of(k)) is not None)
-        if total > LARGEST:
-            raise FileFormatError(f"the scene's nodes add up to {total} triangles; at most {LARGEST} are read")
+        most = min(LARGEST, COPIES + self.accessors.size // 3)
+        if total > most:
+            raise FileFormatError(
+                f"the scene's nodes add up to {total} triangles; at most {most} are read from this file"
+            )
         return [part for k, matrix in found for part in self._node(k, matrix)]
 
     def _walk(self) -> Iterator[tuple[int, FloatArray]]:

@@ -15,7 +15,7 @@ from .checked import JSON
 from .gltf_accessors import Accessors
 from .gltf_container import resource
 from .notes import Notes
-from .textures import CLAMP, MIRROR, REPEAT, load_picture, mean_over_faces
+from .textures import CLAMP, MIRROR, REPEAT, Album, Codes, load_picture, mean_over_faces
 
 TRANSFORM = "KHR_texture_transform"
 
@@ -39,7 +39,7 @@ class Pictures:
         self._images = checked.mappings(document, "images", "glTF")
         self._samplers = checked.mappings(document, "samplers", "glTF")
         self._accessors, self._folder, self._notes = accessors, folder, notes
-        self._read: dict[int, FloatArray | None] = {}
+        self._album = Album()
 
     def face_colours(
         self, material: int | None, base: Material | None, attributes: JSON, faces: IntArray, where: str
@@ -77,8 +77,7 @@ class Pictures:
         if "COLOR_0" not in attributes:
             return None
         colours = self._accessors.read(attributes, "COLOR_0", where, ("VEC3", "VEC4"))[:, :3]
-        if len(colours) <= faces.max():
-            raise FileFormatError(f"{where}: COLOR_0 has {len(colours)} elements, fewer than there are vertices")
+        self._check_count(colours, "COLOR_0", attributes, where)
         return np.asarray(colours.astype(np.float64)[faces].mean(axis=1))
 
     def _means(self, obj: JSON, key: str, attributes: JSON, faces: IntArray, where: str) -> FloatArray | None:
@@ -93,9 +92,13 @@ class Pictures:
         if picture is None or name not in attributes:
             return None
         coordinates = self._accessors.read(attributes, name, where, ("VEC2",)).astype(np.float64)
-        if len(coordinates) <= faces.max():
-            raise FileFormatError(f"{where}: {name} has {len(coordinates)} elements, fewer than there are vertices")
+        self._check_count(coordinates, name, attributes, where)
         return mean_over_faces(picture, _moved(coordinates, moved, where), faces, self._wrap(texture, where))
+
+    def _check_count(self, values: NDArray[Any], name: str, attributes: JSON, where: str) -> None:
+        count = self._accessors.count(attributes, "POSITION", where)
+        if len(values) != count:
+            raise FileFormatError(f"{where}: {name} has {len(values)} elements, but there are {count} vertices")
 
     def _wrap(self, texture: JSON, where: str) -> tuple[int, int]:
         if "sampler" not in texture:
@@ -106,21 +109,22 @@ class Pictures:
             raise FileFormatError(f"a sampler wraps by {u} and {v}; glTF has {REPEAT}, {MIRROR}, {CLAMP}")
         return u, v
 
-    def _picture(self, texture: JSON, where: str) -> FloatArray | None:
+    def _picture(self, texture: JSON, where: str) -> Codes | None:
         """The picture of a texture, or None where it cannot be used, which is noted."""
         if "source" not in texture:
             self._notes.skip("textures in formats beyond PNG and JPEG", where)
             return None
         k = checked.index(texture, "source", where, len(self._images), "images")
-        if k not in self._read:
-            try:
-                self._read[k] = load_picture(self._content(self._images[k], f"images[{k}]"))
-            except ValueError as error:
-                if isinstance(error, FileFormatError):
-                    raise
-                self._notes.say(f"images[{k}] cannot be read ({error}); the plain colour of its material counts")
-                self._read[k] = None
-        return self._read[k]
+        return self._album.picture(k, lambda: self._load(k))
+
+    def _load(self, k: int) -> Codes | None:
+        try:
+            return load_picture(self._content(self._images[k], f"images[{k}]"))
+        except FileFormatError:
+            raise
+        except ValueError as error:
+            self._notes.say(f"images[{k}] cannot be read ({error}); the plain colour of its material counts")
+            return None
 
     def _content(self, image: JSON, where: str) -> bytes:
         if "uri" in image:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import FileFormatError
-from ..scene import FloatArray, Material
+from ..scene import Material
 from .defaults import GREY
 from .folder import inside
 from .notes import Notes
-from .textures import load_picture
+from .textures import Album, Codes, load_picture
+from .words import real, text_lines
 
 COLOURS = ("Kd", "Ke", "Ks", "Tf")
 NUMBERS = ("d", "Tr", "illum")
@@ -35,7 +37,6 @@ class MtlMaterial:
     name: str
     values: dict[str, list[float]] = field(default_factory=dict)
     texture: dict[str, str] = field(default_factory=dict)
-    _pictures: dict[str, FloatArray] | None = None
 
     def material(self, notes: Notes) -> Material:
         """The diffuse material; what it has beyond that is noted."""
@@ -49,20 +50,22 @@ class MtlMaterial:
         radiance = np.array(self.values.get("Ke", [0.0, 0.0, 0.0]))
         return Material(np.array(reflectance), emission=np.pi * radiance, name=self.name)
 
-    def pictures(self, folder: Path, notes: Notes) -> dict[str, FloatArray]:
-        """The pictures of map_Kd and map_Ke, linear; those that cannot be read are noted."""
-        if self._pictures is not None:  # several surfaces may share a material
-            return self._pictures
-        found = {}
-        for key, name in self.texture.items():
+    def pictures(self, folder: Path, album: Album, notes: Notes) -> dict[str, Codes]:
+        """The pictures of map_Kd and map_Ke; those that cannot be read are noted."""
+
+        def load(key: str, name: str) -> Codes | None:
             try:
                 file = inside(name.replace("\\", "/"), key, folder)
-                found[key] = load_picture(file.read_bytes())
+                if file.exists() and not file.is_file():
+                    raise ValueError("it is no file")
+                return load_picture(file.read_bytes())
             except (OSError, ValueError) as error:
                 reason = "it is not there" if isinstance(error, FileNotFoundError) else str(error)
                 notes.say(f"{key} {name!r} of material {self.name!r} is not used ({reason}); its plain colour counts")
-        self._pictures = found
-        return found
+                return None
+
+        found = {key: album.picture((key, name), partial(load, key, name)) for key, name in self.texture.items()}
+        return {key: picture for key, picture in found.items() if picture is not None}
 
     def _note_unused(self, reflectance: list[float], notes: Notes) -> None:
         if max(self.values.get("Ks", [0.0])) > 0:
@@ -82,8 +85,12 @@ def read_mtl(path: Path, notes: Notes) -> dict[str, MtlMaterial]:
     """
     found: dict[str, MtlMaterial] = {}
     current: MtlMaterial | None = None
-    for number, line in enumerate(path.read_text("utf-8", errors="replace").splitlines(), start=1):
-        keyword, *others = line.split("#")[0].split(maxsplit=1) or [""]
+    try:
+        lines = text_lines(path.read_bytes())
+    except FileFormatError as error:
+        raise FileFormatError(f"{path.name}: {error}") from error
+    for number, line in enumerate(lines, start=1):
+        keyword, *others = line.split(maxsplit=1) or [""]
         rest = others[0].strip() if others else ""
         where = f"{path.name}, line {number}"
         if not keyword:
@@ -107,7 +114,7 @@ def _numbers(rest: str, count: int, where: str, keyword: str) -> list[float]:
     if words and words[0] in ("spectral", "xyz"):
         raise FileFormatError(f"{where}: {keyword} {words[0]} is not read; give {keyword} as red, green, blue")
     try:
-        values = [float(word) for word in words[:count]]
+        values = [real(word) for word in words[:count]]
     except ValueError as error:
         raise FileFormatError(f"{where}: {keyword} {rest!r} holds no numbers") from error
     if count == 3 and len(values) == 1:

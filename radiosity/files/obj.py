@@ -21,7 +21,8 @@ from .folder import inside
 from .mtl import MtlMaterial, read_mtl
 from .names import unique_names
 from .notes import Notes
-from .textures import mean_over_faces
+from .textures import Album, Codes, mean_colour, mean_over_faces
+from .words import real, text_lines, whole
 
 IGNORED = {"s", "vn", "shadow_obj", "trace_obj", "maplib", "usemap", "bevel", "c_interp", "d_interp", "mg"}
 IGNORED |= {"lod"}  # codespell:ignore lod
@@ -78,10 +79,10 @@ def read_obj(path: Path, notes: Notes) -> Scene:
         No faces, or values no scene can have.
     """
     content = _Content()
-    text = path.read_text("utf-8", errors="replace")
-    for number, line in _lines(text):
+    data = path.read_bytes()
+    for number, line in _lines(text_lines(data)):
         _statement(line, number, content, notes)
-    if not text.rstrip(" \t").endswith(("\n", "\r")):
+    if not data.rstrip(b" \t").endswith((b"\n", b"\r")):
         notes.say("the last line has no end: was the file cut off?")
     _check_indices(content, notes)
     library = _library(content, path, notes)
@@ -89,10 +90,11 @@ def read_obj(path: Path, notes: Notes) -> Scene:
     names = unique_names(_part_names(list(parts), path.stem), notes)
     vertices = np.array(content.vertices, dtype=np.float64)
     surfaces: list[Surface] = []
+    album = Album()
     for name, (key, part) in zip(names, parts.items(), strict=True):
         material = _material(library, key[1], name, notes)
         faces = narrow(np.array(part.faces, dtype=np.int64))
-        pictures = library[key[1]].pictures(path.parent, notes) if key[1] in library else {}
+        pictures = library[key[1]].pictures(path.parent, album, notes) if key[1] in library else {}
         if pictures:
             colours = _face_colours(pictures, np.array(content.texture).reshape(-1, 2), part, material)
             surfaces += surfaces_by_colour(name, vertices, faces, colours, material, notes)
@@ -101,11 +103,11 @@ def read_obj(path: Path, notes: Notes) -> Scene:
     return Scene(tuple(surfaces), name=path.stem)
 
 
-def _lines(text: str) -> Iterator[tuple[int, str]]:
+def _lines(lines: list[str]) -> Iterator[tuple[int, str]]:
     """Statements with the number of their first line; a backslash at a line's end continues it."""
     held, first = "", 0
-    for number, line in enumerate(text.splitlines(), start=1):
-        line = line.split("#")[0].strip()
+    for number, line in enumerate(lines, start=1):
+        line = line.strip()
         first = first if held else number
         if line.endswith("\\"):
             held += line[:-1] + " "
@@ -138,13 +140,13 @@ def _statement(line: str, number: int, content: _Content, notes: Notes) -> None:
 def _vertex(rest: list[str], number: int, content: _Content) -> None:
     if len(rest) < 3:
         raise FileFormatError(f"line {number}: a vertex of {len(rest)} numbers; it needs 3")
-    content.vertices.append((float(rest[0]), float(rest[1]), float(rest[2])))
+    content.vertices.append((real(rest[0]), real(rest[1]), real(rest[2])))
 
 
 def _texture_vertex(rest: list[str], number: int, content: _Content) -> None:
     if not rest:
         raise FileFormatError(f"line {number}: a texture vertex without numbers")
-    content.texture.append((float(rest[0]), float(rest[1]) if len(rest) > 1 else 0.0))
+    content.texture.append((real(rest[0]), real(rest[1]) if len(rest) > 1 else 0.0))
 
 
 def _face(rest: list[str], number: int, content: _Content) -> None:
@@ -158,7 +160,7 @@ def _face(rest: list[str], number: int, content: _Content) -> None:
             _index(others[0], len(content.texture), "texture vertex", number) if others and others[0] else -1
         )
         if len(others) > 1 and others[1]:
-            int(others[1])  # the normal is not used, but a broken one betrays a damaged line
+            whole(others[1])  # the normal is not used, but a broken one betrays a damaged line
     part = content.part
     if len(corners) <= 4:
         part.faces.append(corners + [-1] * (4 - len(corners)))
@@ -172,7 +174,7 @@ def _face(rest: list[str], number: int, content: _Content) -> None:
 
 def _index(word: str, count: int, of: str, number: int) -> int:
     """From 1, or negative from the end, to from 0."""
-    value = int(word)
+    value = whole(word)
     if not (-count <= value < 0 or 0 < value <= count):
         raise FileFormatError(f"line {number}: {of} {value} does not exist; {count} come before this line")
     return value - 1 if value > 0 else count + value
@@ -217,8 +219,8 @@ def _library(content: _Content, path: Path, notes: Notes) -> dict[str, MtlMateri
     found: dict[str, MtlMaterial] = {}
     for name, number in content.libraries:
         where = f"line {number}: mtllib"
-        whole = inside(name, where, path.parent)
-        files = [whole] if whole.is_file() else [inside(word, where, path.parent) for word in name.split()]
+        file = inside(name, where, path.parent)
+        files = [file] if file.is_file() else [inside(word, where, path.parent) for word in name.split()]
         for file in files:
             if file.is_file():
                 found |= read_mtl(file, notes)
@@ -244,16 +246,14 @@ def _part_names(keys: list[tuple[str, str]], stem: str) -> list[str]:
     ]
 
 
-def _face_colours(
-    pictures: dict[str, FloatArray], coordinates: FloatArray, part: _Part, material: Material
-) -> FloatArray:
+def _face_colours(pictures: dict[str, Codes], coordinates: FloatArray, part: _Part, material: Material) -> FloatArray:
     """Reflectance and emission (M, 6) of each face: the material's, times the means of its pictures there."""
     corners = np.array(part.texture, dtype=np.int64)
     there = ((corners >= 0) == (np.array(part.faces) >= 0)).all(axis=1)  # faces with texture vertices at all corners
     from_top = np.column_stack([coordinates[:, 0], 1.0 - coordinates[:, 1]])  # OBJ counts from the bottom
     factors = {key: np.ones((len(corners), 3)) for key in ("map_Kd", "map_Ke")}
     for key, picture in pictures.items():
-        factors[key][:] = picture.mean(axis=(0, 1))
+        factors[key][:] = mean_colour(picture)
         if there.any():
             factors[key][there] = mean_over_faces(picture, from_top, corners[there])
     return np.hstack([factors["map_Kd"] * material.reflectance, factors["map_Ke"] * material.emission])

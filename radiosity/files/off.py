@@ -12,6 +12,7 @@ from ..scene import IntArray, Scene, Surface
 from .cut import face_rows, narrow
 from .defaults import GREY, grey
 from .notes import Notes
+from .words import real, text_lines, whole
 
 HEADER = re.compile(r"\s*(ST)?(?P<colours>C)?N?(?P<four>4)?(?P<many>n)?OFF\b")
 
@@ -26,7 +27,8 @@ def read_off(path: Path, notes: Notes) -> Scene:
     SceneError
         No faces, or coordinates that are not finite.
     """
-    lines = [line.split("#")[0] for line in path.read_text("utf-8", errors="replace").splitlines()]
+    content = path.read_bytes()
+    lines = text_lines(content)
     header = HEADER.match(lines[0]) if lines else None
     if header is None:
         raise FileFormatError("the file does not begin with OFF; damaged, or no OFF file")
@@ -40,6 +42,11 @@ def read_off(path: Path, notes: Notes) -> Scene:
         raise FileFormatError(
             f"the OFF promises {vertices_count} vertices and {faces_count} faces and has {len(body)} lines: truncated"
         )
+    if len(body) > vertices_count + faces_count:
+        raise FileFormatError(
+            f"the OFF promises {vertices_count} vertices and {faces_count} faces, but line "
+            f"{body[vertices_count + faces_count][0]} follows: damaged"
+        )
     vertices = np.array([_vertex(*row) for row in body[:vertices_count]], dtype=np.float64).reshape(-1, 3)
     polygons = []
     for number, words in body[vertices_count : vertices_count + faces_count]:
@@ -49,6 +56,8 @@ def read_off(path: Path, notes: Notes) -> Scene:
         polygons.append(corners)
     if header["colours"]:
         notes.skip("colours of an OFF file", path.name)
+    if not content.rstrip(b" \t").endswith((b"\n", b"\r")):
+        notes.say("the last line has no end: was the file cut off?")
     rows, _ = face_rows(polygons, vertices, "face")
     notes.say(f"an OFF file has no materials; its mesh gets a grey of reflectance {GREY}")
     surfaces = (Surface(path.stem, vertices, narrow(rows), grey()),) if len(rows) else ()
@@ -57,7 +66,7 @@ def read_off(path: Path, notes: Notes) -> Scene:
 
 def _counts(numbered: list[tuple[int, list[str]]]) -> tuple[int, int]:
     try:
-        counts = [int(word) for word in numbered[0][1][:2]]
+        counts = [whole(word) for word in numbered[0][1][:2]]
         if len(counts) == 2 and min(counts) >= 0:
             return counts[0], counts[1]
     except (ValueError, IndexError):
@@ -67,7 +76,7 @@ def _counts(numbered: list[tuple[int, list[str]]]) -> tuple[int, int]:
 
 def _vertex(number: int, words: list[str]) -> list[float]:
     try:
-        point = [float(word) for word in words[:3]]
+        point = [real(word) for word in words[:3]]
         if len(point) == 3:
             return point
     except ValueError:
@@ -77,8 +86,8 @@ def _vertex(number: int, words: list[str]) -> list[float]:
 
 def _corners(number: int, words: list[str]) -> tuple[IntArray, list[str]]:
     try:
-        count = int(words[0])
-        corners = np.array([int(word) for word in words[1 : count + 1]], dtype=np.int64)
+        count = whole(words[0])
+        corners = np.array([whole(word) for word in words[1 : count + 1]], dtype=np.int64)
         if count >= 3 and len(corners) == count:
             return corners, words[count + 1 :]
     except (ValueError, OverflowError):

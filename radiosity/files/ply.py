@@ -19,6 +19,7 @@ from .colours import surfaces_by_colour
 from .cut import face_rows, narrow
 from .defaults import GREY, grey
 from .notes import Notes
+from .words import real, whole
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -63,6 +64,8 @@ def read_ply(path: Path, notes: Notes) -> Scene:
     order, elements, start = _header(content)
     read = _read_ascii if order == "" else _read_binary
     columns = read(content[start:], elements, order)
+    if order == "" and not content.rstrip(b" \t").endswith((b"\n", b"\r")):
+        notes.say("the last line has no end: was the file cut off?")
     vertex, face = columns.get("vertex", {}), columns.get("face", {})
     if missing := [axis for axis in "xyz" if axis not in vertex]:
         raise FileFormatError(f"the PLY has no vertex property {missing[0]!r}")
@@ -127,11 +130,11 @@ def _header(content: bytes) -> tuple[str, list[_Element], int]:
             if words[0] == "format":
                 order = ORDERS[words[1]]
             elif words[0] == "element":
-                elements.append(_Element(words[1], int(words[2]), []))
+                _add_element(elements, words[1], whole(words[2]))
             elif words[0] == "property" and words[1] == "list":
-                elements[-1].properties.append(_Property(words[4], TYPES[words[3]], TYPES[words[2]]))
+                _add_property(elements, _Property(words[4], TYPES[words[3]], TYPES[words[2]]))
             elif words[0] == "property":
-                elements[-1].properties.append(_Property(words[2], TYPES[words[1]]))
+                _add_property(elements, _Property(words[2], TYPES[words[1]]))
             else:
                 raise KeyError(words[0])
         except (KeyError, IndexError, ValueError) as error:
@@ -144,6 +147,20 @@ def _header(content: bytes) -> tuple[str, list[_Element], int]:
                 f"the PLY header promises {element.count} of {element.name!r}: more than the file holds"
             )
     return order, elements, start
+
+
+def _add_element(elements: list[_Element], name: str, count: int) -> None:
+    if any(element.name == name for element in elements):
+        raise ValueError(f"{name!r} is there twice")
+    elements.append(_Element(name, count, []))
+
+
+def _add_property(elements: list[_Element], new: _Property) -> None:
+    if new.count.startswith("f") or any(p.name == new.name for p in elements[-1].properties):
+        raise ValueError(f"{new.name!r} is there twice, or its length is no whole number")
+    if new.name in CORNERS and (not new.count or new.type.startswith("f")):
+        raise ValueError(f"{new.name!r} is no list of whole numbers")
+    elements[-1].properties.append(new)
 
 
 def _read_ascii(data: bytes, elements: list[_Element], _: str) -> dict[str, Columns]:
@@ -166,15 +183,17 @@ def _read_ascii(data: bytes, elements: list[_Element], _: str) -> dict[str, Colu
         result[element.name] = {
             p.name: v if p.count else np.array(v, dtype=_kind(p)) for p, v in _with(element, values)
         }
+    if any(line.strip() for line in lines[place:]):
+        raise FileFormatError("the PLY goes on behind the last element that its header promises: damaged")
     return result
 
 
 def _ascii_row(words: list[str], properties: list[_Property], values: Columns) -> None:
     place = 0
     for p in properties:
-        convert = float if p.type.startswith("f") else int
+        convert = real if p.type.startswith("f") else whole
         if p.count:
-            length = int(words[place])
+            length = whole(words[place])
             part = words[place + 1 : place + 1 + length]
             if length < 0 or len(part) < length:
                 raise IndexError
@@ -201,6 +220,8 @@ def _read_binary(data: bytes, elements: list[_Element], order: str) -> dict[str,
     for element in elements:
         columns, place = _binary_element(data, place, element, order)
         result[element.name] = columns
+    if data[place:].strip():
+        raise FileFormatError(f"the PLY has {len(data) - place} bytes more than its header promises: damaged")
     return result
 
 
@@ -239,9 +260,13 @@ def _binary_row(data: bytes, place: int, element: _Element, order: str) -> tuple
             if p.count:
                 length = int(np.frombuffer(data, order + p.count, 1, place)[0])
                 place += np.dtype(p.count).itemsize
+                if length < 0:
+                    raise ValueError
             value = np.frombuffer(data, order + p.type, length, place) if length else np.zeros(0, order + p.type)
         except ValueError as error:
-            raise FileFormatError(f"the PLY ends within its {element.name!r} elements: truncated") from error
+            raise FileFormatError(
+                f"the PLY ends within its {element.name!r} elements, or a list there has a wrong length: truncated"
+            ) from error
         values.append(value if p.count else value[0])
         lengths.append(length)
         place += value.nbytes

@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 
 from ..contacts import remove_contacts
 from ..contacts.report import listed
-from ..errors import FileFormatError, GeometryWarning, MissingFileError, ParameterError, RadiosityError
+from ..errors import FileFormatError, GeometryError, GeometryWarning, MissingFileError, ParameterError, RadiosityError
 from ..overlaps import overlaps
 from ..scene import Material, Scene, Surface
 from .gltf_read import read_gltf
+from .impostors import impostor
 from .notes import Notes
 from .obj import read_obj
 from .off import read_off
@@ -108,6 +109,8 @@ def read_scene(
         scene = READERS[file.suffix.lower()](file, notes)
     except RadiosityError as error:
         raise type(error)(f"{file}: {error}") from error
+    except MemoryError as error:
+        raise FileFormatError(f"{file} ({file.stat().st_size:,} bytes) needs more memory than there is") from error
     notes.warn(str(file))
     scene = _scaled(scene, _metres(unit, file))
     if materials:
@@ -138,13 +141,16 @@ def _checked_path(path: str | os.PathLike[str]) -> Path:
         start = stream.read(512)
     if not start.strip():
         raise FileFormatError(f"{file} is empty; the download or export that made it has failed")
-    if start.lstrip(b"\xef\xbb\xbf \t\r\n").lower().startswith((b"<!doctype html", b"<html")):
-        raise FileFormatError(f"{file} is a web page (HTML), not a scene; download the file itself")
+    if (what := impostor(start)) is not None:
+        raise FileFormatError(f"{file} is {what}")
     return file
 
 
 def _without_contacts(scene: Scene, file: Path) -> Scene:
-    scene, report = remove_contacts(scene)
+    try:
+        scene, report = remove_contacts(scene)
+    except GeometryError as error:
+        raise GeometryError(f"{file}: {error}") from error
     if report.mended:
         message = f"{file}: faces that lie in each other were cut (contacts='keep' leaves them): {report}"
         warnings.warn(message, GeometryWarning, stacklevel=3)

@@ -5,7 +5,10 @@ trimesh reads them; it takes a file that was cut off as if it were whole, so tha
 
 from __future__ import annotations
 
+import logging
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 
@@ -33,8 +36,9 @@ def read_stl(path: Path, notes: Notes) -> Scene:
     content = path.read_bytes()
     count = _checked_count(content)
     try:
-        loaded = trimesh.load(BytesIO(content), file_type="stl", process=False)
-        triangles = np.asarray(loaded.triangles, dtype=np.float64) if count else np.zeros((0, 3, 3))
+        with np.errstate(all="ignore"), _silent_trimesh():  # of numbers that nobody has checked yet
+            loaded = trimesh.load(BytesIO(content), file_type="stl", process=False)
+            triangles = np.asarray(loaded.triangles, dtype=np.float64) if count else np.zeros((0, 3, 3))
     except Exception as error:  # whatever a third party's parser throws at broken input
         raise FileFormatError(f"the STL cannot be read: {error}") from error
     if len(triangles) != count:
@@ -44,6 +48,17 @@ def read_stl(path: Path, notes: Notes) -> Scene:
         return Scene((), name=path.stem)
     mesh = merged(triangles.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
     return Scene((Surface(path.stem, *mesh, grey()),), name=path.stem)
+
+
+@contextmanager
+def _silent_trimesh() -> Iterator[None]:
+    """Keep trimesh from printing a traceback about what becomes a named error here, where nobody handles its log."""
+    logger, silence = logging.getLogger("trimesh"), logging.NullHandler()
+    logger.addHandler(silence)
+    try:
+        yield
+    finally:
+        logger.removeHandler(silence)
 
 
 def _checked_count(content: bytes) -> int:

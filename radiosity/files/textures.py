@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Hashable
 from io import BytesIO
 from typing import Any
 
@@ -12,13 +13,37 @@ from ..display import decode_srgb
 from ..scene import FloatArray, IntArray
 
 LARGEST = 2**26  # pixels; a small file can promise a picture of any size
+HELD = 2**26  # pixels, of all pictures that are kept while a scene is read
 SAMPLES = 2**19  # in all, but at least 16 and at most 4096 a face
 
 REPEAT, MIRROR, CLAMP = 10497, 33648, 33071  # the numbers that glTF has for them
 
 
-def load_picture(content: bytes) -> FloatArray:
-    """Linear RGB (H, W, 3), row 0 at the top, of a picture file whose colours are sRGB, as those of textures are.
+Codes = NDArray[np.uint8]
+
+LINEAR = decode_srgb(np.arange(256, dtype=np.uint8))
+
+
+class Album:
+    """Pictures that are wanted again, as many as `HELD` pixels allow."""
+
+    def __init__(self) -> None:
+        self._pages: dict[Hashable, Codes | None] = {}
+
+    def picture(self, key: Hashable, load: Callable[[], Codes | None]) -> Codes | None:
+        """The picture of a key, loaded if it is not at hand; None where it cannot be used."""
+        if key not in self._pages:
+            self._pages[key] = load()
+            pixels = sum(page.size // 3 for page in self._pages.values() if page is not None)
+            for old in [k for k, page in self._pages.items() if k != key and page is not None]:
+                if pixels <= HELD:
+                    break
+                pixels -= self._pages.pop(old).size // 3  # type: ignore[union-attr]
+        return self._pages[key]
+
+
+def load_picture(content: bytes) -> Codes:
+    """SRGB codes (H, W, 3), row 0 at the top, of a picture file.
 
     Raises
     ------
@@ -34,21 +59,26 @@ def load_picture(content: bytes) -> FloatArray:
         with Image.open(BytesIO(content)) as picture:
             if picture.width * picture.height > LARGEST:
                 raise ValueError(f"{picture.width} × {picture.height} pixels are too many")
-            codes = np.asarray(picture.convert("RGB"))
+            return np.asarray(picture if picture.mode == "RGB" else picture.convert("RGB"))
     except (OSError, SyntaxError, Image.DecompressionBombError) as error:
         raise ValueError(f"{error}") from error
-    return np.asarray(decode_srgb(codes), dtype=np.float64)
+
+
+def mean_colour(picture: Codes) -> FloatArray:
+    """Mean linear RGB of a picture (3,)."""
+    counts = [np.bincount(picture[..., c].ravel(), minlength=256) for c in range(3)]
+    return np.asarray(np.array(counts) @ LINEAR) / (picture.shape[0] * picture.shape[1])
 
 
 def mean_over_faces(
-    picture: FloatArray, coordinates: NDArray[Any], faces: IntArray, wrap: tuple[int, int] = (REPEAT, REPEAT)
+    picture: Codes, coordinates: NDArray[Any], faces: IntArray, wrap: tuple[int, int] = (REPEAT, REPEAT)
 ) -> FloatArray:
-    """Mean colour of a picture over each face, (M, 3), sampled evenly.
+    """Mean linear colour of a picture over each face, (M, 3), sampled evenly.
 
     Parameters
     ----------
-    picture : ndarray (H, W, 3)
-        Linear.
+    picture : ndarray of uint8 (H, W, 3)
+        In sRGB, as textures are.
     coordinates : ndarray (V, 2)
         Texture coordinates (u, v) from the top left corner, v downwards, the picture in [0, 1].
     faces : ndarray of int (M, 3) or (M, 4)
@@ -70,7 +100,7 @@ def mean_over_faces(
         points = _points(coordinates, part, count)
         column = _wrapped(points[..., 0], width, wrap[0])
         row = _wrapped(points[..., 1], height, wrap[1])
-        means[start : start + step] = picture[row, column].mean(axis=1)
+        means[start : start + step] = LINEAR[picture[row, column]].mean(axis=1)
     return means
 
 

@@ -356,6 +356,7 @@ def test_no_triangles_is_an_empty_scene(read):
     [
         (b"glTF", "within the header of a GLB"),
         (struct.pack("<4sIIII", b"glTF", 1, 20, 0, 0), "a GLB of version 1"),
+        (struct.pack("<4sIIIII", b"glTF", 2, 20, 0, 0, 0), "the header says 20 bytes, the file has 24: it is damaged"),
         (struct.pack("<4sIIII", b"glTF", 2, 999, 0, 0), "the header says 999 bytes, the file has 20: it is truncated"),
         (struct.pack("<4sIIII", b"glTF", 2, 20, 99, 0), "the chunk at byte 12 says 99 bytes"),
         (struct.pack("<4sIIII", b"glTF", 2, 20, 0, 0), "no JSON chunk"),

@@ -208,7 +208,8 @@ def test_missing_library_and_missing_material(tmp_path):
         ("newmtl a\nKd spectral a.rfl\n", FileFormatError, "line 2: Kd spectral is not read"),
         ("newmtl a\nKd 1.5 1 1\n", MaterialError, "'a': reflectance 1.5 in channel 0 is outside [0, 1]"),
         ("newmtl a\nKd 1 1 1\nKe -1 0 0\n", MaterialError, "negative"),
-        ("newmtl a\nKd nan 1 1\n", MaterialError, "reflectance nan"),
+        ("newmtl a\nKd nan 1 1\n", FileFormatError, "line 2: Kd 'nan 1 1' holds no numbers"),
+        ("newmtl a\nKd 1_0 1 1\n", FileFormatError, "line 2: Kd '1_0 1 1' holds no numbers"),
     ],
 )
 def test_broken_materials_are_named(tmp_path, mtl, error, message):

@@ -128,6 +128,12 @@ def test_ply_of_many_colours_reflects_as_much_on_the_whole(tmp_path):
         (("3 1 4 2 0 0 188", "3 1 4 2 0 0 999"), "PLY colours reach 0 … 999"),
         (("1 1 0\n", "1 eins 0\n"), "vertex 2 of the PLY is '1 eins 0': damaged"),
         (("property list uchar int", "property list float"), "line 9 of the PLY header"),
+        (("property list uchar int", "property list float int"), "line 9 of the PLY header"),
+        (("property list uchar int", "property list uchar float"), "line 9 of the PLY header"),
+        (("property uchar blue", "property uchar red"), "line 12 of the PLY header"),
+        (("element face 2", "element face 1"), "goes on behind the last element"),
+        (("element face 2", "element vertex 2"), "line 8 of the PLY header"),
+        (("0 1 0\n", "0 1_0 0\n"), "vertex 3 of the PLY is '0 1_0 0': damaged"),
     ],
 )
 def test_damaged_ply_is_named(tmp_path, change, message):
@@ -143,6 +149,15 @@ def test_truncated_binary_ply(tmp_path):
     for length in range(body, len(whole)):
         with pytest.raises(FileFormatError, match="truncated"):
             read(tmp_path / "two.ply", whole[:length])
+
+
+def test_a_binary_ply_that_goes_on_and_a_list_of_negative_length(tmp_path):
+    whole = binary_ply("little", "<")
+    with pytest.raises(FileFormatError, match="13 bytes more than its header promises"):
+        read(tmp_path / "two.ply", whole + whole[-13:])
+    signed = whole.replace(b"list uchar", b"list char")
+    with pytest.raises(FileFormatError, match="a list there has a wrong length"):
+        read(tmp_path / "two.ply", signed.replace(b"\x04\x00\x00\x00\x00\x01", b"\xff\x00\x00\x00\x00\x01"))
 
 
 BOX_AREA = 2 * (1 * 2 + 2 * 3 + 3 * 1)
@@ -218,6 +233,7 @@ def test_off_of_other_software(tmp_path):
         (("OFF #", "STL #"), "does not begin with OFF"),
         (("OFF #", "4OFF #"), "other than three dimensions"),
         (("6 2 0\n", "BINARY\n"), "binary OFF is not read"),
+        (("6 2 0\n", "6 1 0\n"), "promises 6 vertices and 1 faces, but line 12 follows"),
         (("6 2 0\n", "6 9 0\n"), "promises 6 vertices and 9 faces and has 8 lines: truncated"),
         (("3 2 0\n", "3 zwei 0\n"), "line 7 is '3 zwei 0'; expected a vertex"),
         (("5 0 1 2 3 4", "5 0 1 2 3"), "line 11 is '5 0 1 2 3'; expected a face"),

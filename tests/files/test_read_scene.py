@@ -1,11 +1,14 @@
 """What can be asked of `read_scene` beyond the file, and what it refuses before looking into it."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 import radiosity
 from radiosity.errors import (
     FileFormatError,
+    GeometryError,
     GeometryWarning,
     MissingFileError,
     ParameterError,
@@ -101,6 +104,90 @@ def test_empty_files_web_pages_and_rubbish(tmp_path, suffix):
         path.write_bytes(generator.integers(0, 256, size).astype(np.uint8).tobytes())
         with pytest.raises(RadiosityError):
             read_scene(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "what"),
+    [
+        (b"PK\x03\x04scene.obj", "a ZIP archive; unpack it"),
+        (b"\x1f\x8b\x08\x00", r"compressed \(gzip\); unpack it first"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "a pointer of Git LFS"),
+        (b"\x89PNG\r\n", "a picture"),
+        (b"BLENDER-v300", "a Blender file; export it as glTF"),
+        (b"<?xml version='1.0'?><COLLADA>", "XML .*export it as glTF"),
+        (b"\xef\xbb\xbf  <HTML>", "a web page"),
+    ],
+)
+def test_what_a_file_is_instead_of_a_scene(tmp_path, content, what):
+    for suffix in (".glb", ".obj", ".stl"):
+        path = tmp_path / f"scene{suffix}"
+        path.write_bytes(content)
+        with pytest.raises(FileFormatError, match=what):
+            read_scene(path)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".mtl"])
+def test_text_is_utf_8_but_for_comments(tmp_path, suffix):
+    text = {".obj": OBJ, ".mtl": MTL, ".off": "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}[suffix]
+    path = tmp_path / ("scene.obj" if suffix == ".mtl" else f"scene{suffix}")
+    path.write_text("mtllib scene.mtl\n" + OBJ if suffix != ".off" else text)
+    (tmp_path / "scene.mtl").write_text(MTL)
+    damaged = tmp_path / f"scene{suffix}"
+    lines = damaged.read_bytes().split(b"\n")
+    damaged.write_bytes(b"\n".join([*lines[:2], lines[2] + b" # Stra\xdfe", *lines[3:]]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert read_scene(path).surfaces
+    for bad in (b"\xff\xfe", b"\0"):
+        damaged.write_bytes(b"\n".join([*lines[:2], lines[2] + bad, *lines[3:]]))
+        with pytest.raises(FileFormatError, match="line 3 is not UTF-8 text.*save it as UTF-8"):
+            read_scene(path)
+
+
+def test_coordinates_beyond_reckoning(obj):
+    text = obj.read_text()
+    obj.write_text(text.replace("v 10 0 0", "v 1e80 0 0"))
+    with pytest.raises(GeometryError, match="coordinates reach 1e\\+80 m, at most 1e\\+75"):
+        read_scene(obj)
+    obj.write_text(text.replace("v 10 0 0", "v 1e400 0 0"))
+    with pytest.raises(FileFormatError, match="line 3 is 'v 1e400 0 0': expected numbers"):
+        read_scene(obj)
+    obj.write_text(text.replace("v 10 0 0", "v 1_0 0 0"))
+    with pytest.raises(FileFormatError, match="line 3"):
+        read_scene(obj)
+
+
+def test_a_named_pipe_does_not_block(tmp_path):
+    """A material library or a picture that nobody writes to."""
+    import os
+
+    path = tmp_path / "scene.obj"
+    path.write_text("mtllib scene.mtl\n" + OBJ)
+    os.mkfifo(tmp_path / "wood.png")
+    (tmp_path / "scene.mtl").write_text(MTL + "map_Kd wood.png\n")
+    with pytest.warns(RadiosityWarning, match="it is no file"):
+        read_scene(path)
+    (tmp_path / "scene.mtl").unlink()
+    os.mkfifo(tmp_path / "scene.mtl")
+    with pytest.warns(RadiosityWarning, match=r"'scene\.mtl' is not beside the file"):
+        read_scene(path)
+
+
+def test_pictures_take_no_more_memory_than_they_may():
+    """Many small files of large pictures: those that are not at hand are read again."""
+    from radiosity.files import textures
+
+    album = textures.Album()
+    loaded = []
+
+    def load(k):
+        loaded.append(k)
+        return np.zeros((textures.HELD // 8, 3, 3), dtype=np.uint8)  # 3/8 of what may be held
+
+    for k in (0, 1, 2, 1, 0):
+        assert album.picture(k, lambda k=k: load(k)) is not None
+    assert loaded == [0, 1, 2, 0]
+    assert len(album._pages) == 2
 
 
 def test_suffixes_in_capitals(tmp_path):
