@@ -139,7 +139,7 @@ def _result(crew: Crew, pending: deque[_Task], submit: Any, name: Callable[[Any]
         try:
             value = pending[0].future.result()
         except BaseException as error:
-            if not _is_loss(error):
+            if not is_loss(error):
                 raise
             for task in [task for task in pending if _lost(task.future)]:
                 _send_again(crew, task, submit, name)
@@ -164,9 +164,9 @@ def _lost(future: Future[Any]) -> BaseException | None:
     if future.cancelled():
         return CancelledError("cancelled by the executor")
     error = future.exception() if future.done() else None
-    return error if error is not None and _is_loss(error) else None
+    return error if error is not None and is_loss(error) else None
 
 
-def _is_loss(error: BaseException) -> bool:
+def is_loss(error: BaseException) -> bool:
     """Whether a worker is gone, or new, and not the work itself wrong."""
     return isinstance(error, (BrokenExecutor, CancelledError, NotHere)) or type(error).__name__ in LOST_IN_DASK

@@ -66,7 +66,7 @@ def limit_bytes(memory_limit: float | None = None) -> float:
     return float("inf") if available is None else SHARE * available
 
 
-def refuse_above(limit: float, needed: float, what: str, ways_out: str, told: bool = True) -> None:
+def refuse_above(limit: float, needed: float, what: str, ways_out: str, whose: str = "the memory limit is") -> None:
     """Refuse work that needs more than `limit` bytes.
 
     Parameters
@@ -77,8 +77,8 @@ def refuse_above(limit: float, needed: float, what: str, ways_out: str, told: bo
         The work, as the beginning of a sentence: "form factors of …".
     ways_out : str
         What to do instead.
-    told : bool
-        Whether the limit was given, or is what the machine has.
+    whose : str
+        Words before the limit.
 
     Raises
     ------
@@ -86,7 +86,6 @@ def refuse_above(limit: float, needed: float, what: str, ways_out: str, told: bo
     """
     if needed <= limit:
         return
-    whose = "the memory limit is" if told else "this machine has room for"
     raise MemoryLimitError(f"{what} would take {gigabytes(needed)}, and {whose} {gigabytes(limit)}: {ways_out}")
 
 

@@ -76,14 +76,14 @@ def _rows_times_many(indptr, indices, weights, columns, band, begin, end, out): 
 
 
 @numba.njit(nogil=True, cache=True)
-def _rows_times_differences(indptr, indices, weights, x, y, with_y, begin, end, out):  # type: ignore[no-untyped-def]
+def _rows_times_differences(indptr, indices, weights, own, x, y, with_y, begin, end, out):  # type: ignore[no-untyped-def]
     width = x.shape[1]
     one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
     flat, flat_y = x.reshape(-1), y.reshape(-1)
     for i in range(begin, end):
         if width == 3:
             r = g = b = 0.0
-            r0, g0, b0 = x[i, 0], x[i, 1], x[i, 2]
+            r0, g0, b0 = own[i, 0], own[i, 1], own[i, 2]
             for p in range(indptr[i], indptr[i + 1]):
                 j, w = three * np.uint64(indices[p]), np.float64(weights[p])
                 if with_y:
@@ -96,17 +96,17 @@ def _rows_times_differences(indptr, indices, weights, x, y, with_y, begin, end, 
                     b += w * (b0 - flat[j + two])
             out[i, 0], out[i, 1], out[i, 2] = r, g, b
         else:
-            total, own = out[i], x[i]
+            total, here = out[i], own[i]
             total[:] = 0.0
             for p in range(indptr[i], indptr[i + 1]):
                 j, w = indices[p], np.float64(weights[p])
                 other, beside = x[j], y[j]
                 if with_y:
                     for c in range(width):
-                        total[c] += w * ((own[c] - other[c]) + beside[c])
+                        total[c] += w * ((here[c] - other[c]) + beside[c])
                 else:
                     for c in range(width):
-                        total[c] += w * (own[c] - other[c])
+                        total[c] += w * (here[c] - other[c])
 
 
 def row_blocks(indptr: NDArray[Any]) -> list[tuple[int, int]]:
@@ -153,7 +153,11 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
 
 
 def csr_differences(
-    matrix: csr_array, x: NDArray[Any], y: NDArray[Any] | None = None, threads: int | None = None
+    matrix: csr_array,
+    x: NDArray[Any],
+    y: NDArray[Any] | None = None,
+    threads: int | None = None,
+    first: int = 0,
 ) -> FloatArray:
     """Σ_j M_ij [(x_i - x_j) + y_j] for each row i, with float64 sums from left to right.
 
@@ -161,22 +165,26 @@ def csr_differences(
 
     Parameters
     ----------
-    matrix : csr_array (N, N)
+    matrix : csr_array (M, N)
     x, y : ndarray (N,), (N, C) or (N, C, S)
         y is zero if not given.
     threads : int, optional
+    first : int, optional
+        Which i the first row of the matrix is of: M < N rows of a larger matrix begin there.
 
     Returns
     -------
-    ndarray of float64, in the shape of x
+    ndarray of float64, in the shape of x, with M rows
     """
     flat = np.ascontiguousarray(x.reshape(len(x), -1), dtype=np.float64)
     beside = flat if y is None else np.ascontiguousarray(y.reshape(len(x), -1), dtype=np.float64)
-    out = np.empty_like(flat)
+    own = flat[first : first + matrix.shape[0]]
+    out = np.empty_like(own)
+    arrays = matrix.indptr, matrix.indices, matrix.data, own, flat, beside
 
     def rows(block: tuple[int, int]) -> None:
-        _rows_times_differences(matrix.indptr, matrix.indices, matrix.data, flat, beside, y is not None, *block, out)
+        _rows_times_differences(*arrays, y is not None, *block, out)
 
     for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
         pass
-    return out.reshape(x.shape)
+    return out.reshape(out.shape[:1] + x.shape[1:])

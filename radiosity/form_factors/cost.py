@@ -188,7 +188,7 @@ def check_cost(
         cost.peak_bytes,
         f"form factors of {count:,} patches by {estimator} ({cost.nonzeros:,} non-zeros, about {cost.seconds:.2g} s)",
         _ways_out(estimator, dtype),
-        told=memory_limit is not None,
+        "this machine has room for" if memory_limit is None else "the memory limit is",
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..executors import Crew
@@ -27,6 +28,7 @@ from .monte_carlo import MonteCarlo
 from .workers import RowsToMake
 
 ALL = 1.0 - 1e-6  # of a row that goes to the sky
+FloatArray = NDArray[np.float64]
 Estimator = MonteCarlo | Hemicube | Analytic
 
 
@@ -147,9 +149,8 @@ def _with_replicates(runs: list[Rows], patches: Patches, estimator: Estimator, d
 def _factors(
     rows: Rows, patches: Patches, estimator: Estimator, replicates: tuple[FormFactors, ...] = ()
 ) -> FormFactors:
-    """Factors from rows. Rays that leave a closed scene have leaked, but for patches that see nothing else: outside."""
-    inside = rows.to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
-    to_sky = np.where(inside, 0.0, rows.to_sky)
+    """Factors from rows, without what has leaked."""
+    to_sky, leaks = without_leaks(rows.to_sky, patches)
     return FormFactors(
         rows.matrix,
         to_sky,
@@ -159,12 +160,21 @@ def _factors(
         patches.surface_names,
         estimator,
         {
-            "leaks/share": float(np.mean(np.where(inside, rows.to_sky, 0.0))),
+            "leaks/share": leaks,
             "rays/to emitters": rows.shadow_rays,
         },
         replicates,
         rows.exact_columns,
     )
+
+
+def without_leaks(to_sky: FloatArray, patches: Patches) -> tuple[FloatArray, float]:
+    """Shares that truly go to the sky (N,), and the mean of what has leaked.
+
+    Rays that leave a closed scene have leaked, but for those of patches that see nothing else: outside.
+    """
+    inside = to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
+    return np.where(inside, 0.0, to_sky), float(np.mean(np.where(inside, to_sky, 0.0)))
 
 
 def _counters(factors: FormFactors, estimator: Estimator, patches: Patches) -> dict[str, float]:
