@@ -33,11 +33,10 @@ from .on_demand import RowsOnDemand
 from .workers import Span, make_rows, packed
 
 if TYPE_CHECKING:
-    from distributed import Client
-
     from .estimate import Estimator
 
 FloatArray = NDArray[np.float64]
+Client = Any  # of dask.distributed, which need not be installed
 
 PARTS_EACH = 4  # blocks of rows for each thread of the cluster, at least
 MOST_ENTRIES = 1 << 23  # of a block: some 64 MB
