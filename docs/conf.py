@@ -17,9 +17,9 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "matplotlib.sphinxext.plot_directive",
     "numpydoc",
-    "mathml",
+    "figures",
+    "formulas",
 ]
 exclude_patterns = ["_build"]
 
@@ -31,14 +31,8 @@ html_theme = "furo"
 html_title = "radiosity"
 html_static_path = ["_static"]
 html_css_files = ["book.css"]
-html_math_renderer = "mathml"  # needs no network and no script
+html_math_renderer = "formulas"
 html_show_sphinx = False
-
-plot_formats = [("png", 110)]
-plot_html_show_formats = False
-plot_html_show_source_link = False
-plot_rcparams = {"figure.figsize": (6.5, 3.6), "font.size": 10, "axes.grid": True, "grid.alpha": 0.3}
-plot_apply_rcparams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"

@@ -1,7 +1,9 @@
 """`TransportOperator`: one bounce of light, T = diag(rho) F, and the equation B = E + T B.
 
-Two forms of the same equation are kept. `T @ B` gathers. `T.loss(B)` is (I - T) B without the subtraction
-that loses all digits where almost nothing is absorbed: with Σ_j F_ij + sky_i + backs_i + defect_i = 1,
+The rendering equation, Eq. (1), is for matt surfaces Eq. (2), in radiosities Eq. (3), and on patches Eq. (7), which
+in terms of T is Eq. (8). Two forms of the same equation are kept. `T @ B` gathers. `T.loss(B)` is
+(I - T) B without the subtraction that loses all digits where almost nothing is absorbed, Eq. (22). With
+Σ_j F_ij + sky_i + backs_i + defect_i = 1,
 
     (B - T B)_i = α_i B_i + ρ_i [ Σ_j F_ij (B_i - B_j) + (sky_i + backs_i + defect_i) B_i ].
 

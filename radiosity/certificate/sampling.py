@@ -30,7 +30,7 @@ def sampling_error(
     sky: ArrayLike | None = None,
     solver: Solver | None = None,
 ) -> float | None:
-    """Standard error of B from independent replicates of the form factors, relative to B - E.
+    """Standard error of B from independent replicates of the form factors, Eq. (26), relative to B - E.
 
     Each replicate is solved by itself, beginning from the light of their mean.
 

@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 Verdict = Literal["certified", "uncertified", "refused"]
 
 ACCURACY = 0.01  # what a solution is certified to unless said otherwise
-LEAK_LIMIT = 0.1  # of the smallest absorptance in a lit closed enclosure
+LEAK_LIMIT = 0.1  # of the smallest absorptance in a lit closed enclosure, Eq. (25)
 SIGMAS = 5.0
 ROUNDING = 1e-12  # of an energy balance
 

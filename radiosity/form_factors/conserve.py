@@ -1,7 +1,8 @@
 """Conserved factors: form factors made to close and to be reciprocal, with as little change as that takes.
 
 The exchange areas S = (G + Gᵀ)/2 are scaled symmetrically, G' = D S D with D = diag(exp x), the sky and
-the black backs of each patch by the same D as receivers without a balance of their own, so that each row closes:
+the black backs of each patch by the same D as receivers without a balance of their own, so that each row closes,
+Eq. (23):
 
     d_i (Σ_j S_ij d_j + A_i (to_sky_i + to_backs_i)) = A_i.
 

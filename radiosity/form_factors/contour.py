@@ -4,7 +4,7 @@ Stokes' theorem, applied to both areas of G = A_i F_ij = ∬ cos θ cos θ' / (�
 integral over the polygons' edges, with u and v their unit directions (E. M. Sparrow, J. Heat Transfer 85 (1963) 81,
 doi:10.1115/1.3686058):
 
-    2π G = ∮∮ ln r dp · dq = Σ_edges (u · v) ∬ ln r ds dt
+    2π G = ∮∮ ln r dp · dq = Σ_edges (u · v) ∬ ln r ds dt                                               Eq. (15)
 
 It is exact on polygons that touch, where integrals over areas diverge. Far apart its edges cancel, and other ways,
 which keep their digits there, take over: see `exchange_kernels`.

@@ -3,7 +3,7 @@
 Most of the error of a radiosity solution is that of its first order: a small lamp is met by few of a patch's rays. So
 the columns of F that belong to emitters are computed another way,
 
-    F_ij = exact factor, nothing being in between  ×  visibility,        visibility = Σ k_s V_s / Σ k_s,
+    F_ij = exact factor, nothing being in between  ×  visibility,        visibility = Σ k_s V_s / Σ k_s,    Eq. (16)
 
 over shadow rays s between points spread over the patch and over the emitter, each weighted by the kernel
 k = cos θ cos θ' / r² of the light that would go along it, V_s = 1 where nothing is in the way. Where the first

@@ -1,4 +1,7 @@
-"""`FormFactors`: which share of the light that leaves one patch arrives at another."""
+"""`FormFactors`: which share of the light that leaves one patch arrives at another, Eq. (4).
+
+Reciprocity is Eq. (5), closure Eq. (6).
+"""
 
 from __future__ import annotations
 

@@ -85,13 +85,13 @@ class _Hemicubes:
 
 
 def _top_integral(x: FloatArray, y: FloatArray) -> FloatArray:
-    """∬ dx dy / π (1 + x² + y²)² from 0: the factor from an element to a parallel rectangle above its corner."""
+    """∬ dx dy / π (1 + x² + y²)² from 0, Eq. (11): from an element to a parallel rectangle above its corner."""
     p, q = np.sqrt(1.0 + x * x), np.sqrt(1.0 + y * y)
     return (x / p * np.arctan(y / p) + y / q * np.arctan(x / q)) / (2.0 * np.pi)
 
 
 def _side_integral(x: FloatArray, z: FloatArray) -> FloatArray:
-    """∬ z dx dz / π (1 + x² + z²)², an antiderivative: the element sees the rectangle edge on."""
+    """∬ z dx dz / π (1 + x² + z²)², an antiderivative, Eq. (12): the element sees the rectangle edge on."""
     q = np.sqrt(1.0 + z * z)
     return -np.arctan(x / q) / (2.0 * np.pi * q)
 

@@ -27,8 +27,8 @@ class MonteCarlo:
     """Form factors by counting where rays land.
 
     A ray leaves a point of patch i, uniform in area, in a direction distributed as cos θ / π about the normal. The
-    share of rays that first meet patch j estimates F_ij without bias, and every row adds up to 1: each ray ends
-    somewhere. Emitters, which cause most of the error, are looked at apart where that pays.
+    share of rays that first meet patch j estimates F_ij without bias, Eq. (13), and every row adds up to 1: each ray
+    ends somewhere. Emitters, which cause most of the error, are looked at apart where that pays.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def _directions(table, face, side, begin, end, rays, samples, out):  # type: ign
 
 @numba.njit(nogil=True, cache=True)
 def cosine_directions(tangent, normal, up, s, t, out):  # type: ignore[no-untyped-def]
-    """Write to out (n, 3) directions about up × normal, cosine-distributed for uniform s and t.
+    """Write to out (n, 3) directions about up × normal, cosine-distributed for uniform s and t, Eq. (14).
 
     sin and cos of the angle 2π t are polynomials in the distance to the nearest quarter turn, at most π/4: right to
     3e-8, which is float32's rounding, and free of calls and branches. Two short loops fit the compiler's eyes.

@@ -114,7 +114,7 @@ def shadow_rays(ground, walks, order, emitter, share, origins, directions):  # t
     """Choose a point of an emitter for each walk; returns how many of them face it. Their rays come first.
 
     emitter (n,) becomes -1 where it is not faced. share (n,) is what its emission counts if it is seen: the kernel k
-    over the density p of choosing the point, times the balance heuristic's p / (k + p). So never more than 1.
+    over the density p of choosing the point, times the balance heuristic's p / (k + p), Eq. (18). So never more than 1.
     """
     target = np.empty(3)
     lit = 0

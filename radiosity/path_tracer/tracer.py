@@ -3,7 +3,7 @@
 The yardstick for everything else: patches, materials and rays are the same, but nothing is assembled and nothing
 is solved, and the answer comes with standard errors. A walk starts on the patch that asks and runs against the light:
 the emission that it meets on its k-th ray, times the reflectances on the way, is light of order k. The mean over
-many walks is T^k E without bias (Kajiya 1986, doi 10.1145/15922.15902; Cohen & Wallace 1993, §10).
+many walks is T^k E without bias, Eq. (17) (Kajiya 1986, doi 10.1145/15922.15902; Cohen & Wallace 1993, §10).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """How far a radiosity can be from the solution of its equation: a bound that holds, whatever computed it.
 
 For e = B* - B and the residual r = E - (I - T) B, (I - T) e = r. I - T is an M-matrix: any positive w with
-g = (I - T) w > 0 bounds |e| ≤ w max_i |r_i| / g_i, even where rows of T pass one (Collatz; Ostrowski 1937). That
-alone loses all signs: in a closed room the residuals of a good solver cancel, and w is 1/α. So a correction ẽ of any
-origin is taken first, and only what it leaves, r' = r - (I - T) ẽ, is bounded so:
+g = (I - T) w > 0 bounds |e| ≤ w max_i |r_i| / g_i, Eq. (24), even where rows of T pass one (Collatz; Ostrowski
+1937). That alone loses all signs: in a closed room the residuals of a good solver cancel, and w is 1/α. So a
+correction ẽ of any origin is taken first, and only what it leaves, r' = r - (I - T) ẽ, is bounded so:
 
     |e_i| ≤ |ẽ_i| + w_i max_j (|r'_j| + rounding_j) / g_j.
 

@@ -28,7 +28,7 @@ class ConjugateGradient(Solver):
     """Few products whatever the absorptance: 10 to 30 down to 1e-12, where `Neumann` would need 1e13.
 
     Solves for the irradiance h, with B = E + ρ h, the symmetric system (scaled by √(ρ A) it is
-    I - √(ρ/A) G √(ρ/A)):
+    I - √(ρ/A) G √(ρ/A), Eq. (21)):
 
         A_i ρ_i [ Σ_j F_ij ((h_i - h_j) + α_j h_j) + outside_i h_i ] = A_i (T E + ρ π to_sky L_sky)_i,
 

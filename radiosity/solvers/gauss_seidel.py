@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 class GaussSeidel(Solver):
     """Sweep over the patches in their order, each gathering in place; about half the sweeps of `Neumann`.
 
-        B_i ← (E_i + ρ_i Σ_{j≠i} F_ij B_j) / (1 - ρ_i F_ii),
+        B_i ← (E_i + ρ_i Σ_{j≠i} F_ij B_j) / (1 - ρ_i F_ii),                                            Eq. (19)
 
     with the denominator as a sum, α_i + ρ_i (Σ_{j≠i} F_ij + outside_i). A sweep goes through the matrix once, and
     the residual from the equation once more. One thread, as each patch needs the one before.

@@ -1,4 +1,4 @@
-"""The Neumann series: light bounce by bounce."""
+"""The Neumann series, Eq. (9): light bounce by bounce."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Neumann(Solver):
         return self._with_tail(problem, step, result)
 
     def _with_tail(self, problem: Problem, step: Step, result: Result) -> Result:
-        """Add term × q / (1 - q), q the ratio of the last two powers (per channel)."""
+        """Add term × q / (1 - q), q the ratio of the last two powers (per channel), Eq. (10)."""
         term = step.term if step.term.ndim > 1 else step.term[:, None]
         following = problem.product(term)
         power, after = problem.T.power(term), problem.T.power(following)

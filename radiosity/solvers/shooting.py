@@ -23,7 +23,7 @@ class Shooting(Solver):
 
     One shot from patch i needs column i of F only:
 
-        B_j, unshot_j  +=  ρ_j F_ji unshot_i   for all j,      then unshot_i = 0.
+        B_j, unshot_j  +=  ρ_j F_ji unshot_i   for all j,      then unshot_i = 0.                       Eq. (20)
 
     With stored factors the true columns are used. With `RowsOnDemand` the column comes from row i by reciprocity,
     F_ji = A_i F_ij / A_j, so one row is computed a shot and nothing is stored. `step.radiosity` holds the unshot
