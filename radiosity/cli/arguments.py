@@ -76,7 +76,7 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
         "--memory",
         type=bytes_of,
         metavar="SIZE",
-        help="refuse more for form factors, as 4G (default: 80 % of what is free)",
+        help="refuse more for form factors, as 4G (default: 80 %% of what is free)",
     )
     group.add_argument(
         "--checkpoint", type=Path, metavar="FOLDER", help="keep finished rows there; run again to go on after Ctrl-C"
