@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import reduce
 from typing import Any, NamedTuple, Protocol
 
 import numba
@@ -11,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from ..parallel import blocks, ordered_map
 from ..rays import MISS
 
 FloatArray = NDArray[np.float64]
 Float = type[np.float32] | type[np.float64]
 
-MEAN_ENTRIES = 1 << 20  # of a mean that are summed at a time
+MEAN_ENTRIES = 1 << 18  # of all estimates, that are added at a time
 ROOM = 1.02  # taken for entries still to come, over what the rows so far foretell
 ONE = np.uint64(1)
 DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)  # its 64 runs of six bits are all different
@@ -89,16 +91,16 @@ class Rows(NamedTuple):
     exact_columns: NDArray[np.bool_] | None = None
 
 
-def joined(blocks: Sequence[RowBlock]) -> RowBlock:
+def joined(parts: Sequence[RowBlock]) -> RowBlock:
     """One block of several that follow each other."""
-    if len(blocks) == 1:
-        return blocks[0]
-    arrays = {name: np.concatenate([getattr(block, name) for block in blocks]) for name in ARRAYS}
-    return RowBlock(blocks[0].begin, **arrays, shadow_rays=sum(block.shadow_rays for block in blocks))
+    if len(parts) == 1:
+        return parts[0]
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
+    return RowBlock(parts[0].begin, **arrays, shadow_rays=sum(part.shadow_rays for part in parts))
 
 
 def stack_rows(
-    blocks: Iterable[RowBlock],
+    made: Iterable[RowBlock],
     count: int,
     dtype: Float,
     done: Callable[[int], None] | None = None,
@@ -111,7 +113,7 @@ def stack_rows(
 
     Parameters
     ----------
-    blocks : iterable of RowBlock
+    made : iterable of RowBlock
     count : int
         Rows N.
     dtype : float32 or float64
@@ -124,7 +126,7 @@ def stack_rows(
     indices, data = np.empty(0, dtype=np.int32), np.empty(0, dtype=dtype)
     to_sky, to_backs = np.empty(count), np.empty(count)
     filled = shadow_rays = 0
-    for block in blocks:
+    for block in made:
         rows, entries = slice(block.begin, block.end), slice(filled, filled + len(block.indices))
         if entries.stop > len(indices):
             room = max(entries.stop, int(ROOM * entries.stop / block.end * count))
@@ -142,21 +144,51 @@ def stack_rows(
     return Rows(compressed(indptr, indices, data, shape), to_sky, to_backs, shadow_rays)
 
 
-def mean_rows(runs: Sequence[Rows], dtype: Float, done: Callable[[int], None] | None = None) -> Rows:
-    """Mean of independent estimates, rounded once; block by block, so that nothing but the mean itself is added."""
+def mean_rows(runs: Sequence[Rows], dtype: Float, threads: int | None = None) -> Rows:
+    """Mean of independent estimates, added in their order and rounded once.
+
+    Block by block, so that nothing but the mean itself is added to the memory that they take.
+    """
     count, columns = runs[0].matrix.shape
-
-    def blocks() -> Iterator[RowBlock]:
-        per_row = max(1, sum(run.matrix.nnz for run in runs) // count)
-        for begin in range(0, count, max(1, MEAN_ENTRIES // per_row)):
-            total = sum(run.matrix[begin : begin + max(1, MEAN_ENTRIES // per_row)].astype(np.float64) for run in runs)
-            weights = (total.data / len(runs)).astype(dtype)
-            rows = slice(begin, begin + total.shape[0])
-            yield RowBlock(begin, np.diff(total.indptr), total.indices, weights, to_sky[rows], to_backs[rows])
-
     to_sky, to_backs = (np.mean([getattr(run, name) for run in runs], axis=0) for name in ("to_sky", "to_backs"))
-    rows = stack_rows(blocks(), count, dtype, done, columns)
+    per_row = max(1, sum(run.matrix.nnz for run in runs) // count)
+
+    def mean(span: tuple[int, int]) -> RowBlock:
+        parts = [(run.matrix.indptr[span[0] : span[1] + 1], run.matrix.indices, run.matrix.data) for run in runs]
+        indptr, indices, total = reduce(lambda one, other: _sum_of_rows(*one, *other), parts)
+        weights, rows = (total / len(runs)).astype(dtype), slice(*span)
+        return RowBlock(span[0], np.diff(indptr), indices, weights, to_sky[rows], to_backs[rows])
+
+    made = ordered_map(mean, blocks(count, max(1, MEAN_ENTRIES // per_row)), threads)
+    rows = stack_rows(made, count, dtype, columns=columns)
     return rows._replace(shadow_rays=sum(run.shadow_rays for run in runs), exact_columns=runs[0].exact_columns)
+
+
+@numba.njit(nogil=True, cache=True)
+def _sum_of_rows(indptr, indices, weights, other_indptr, other_indices, other_weights):  # type: ignore[no-untyped-def]
+    """Sum of the same rows of two matrices, in order of columns, as indptr, indices and float64 weights."""
+    rows = indptr.shape[0] - 1
+    most = indptr[rows] - indptr[0] + other_indptr[rows] - other_indptr[0]
+    out_indptr = np.zeros(rows + 1, dtype=np.int64)
+    out_indices, out_weights = np.empty(most, dtype=np.int32), np.empty(most)
+    filled = 0
+    for k in range(rows):
+        p, end, q, other_end = indptr[k], indptr[k + 1], other_indptr[k], other_indptr[k + 1]
+        while p < end or q < other_end:
+            j = indices[p] if p < end else other_indices[q]
+            if q < other_end and other_indices[q] < j:
+                j = other_indices[q]
+            total = 0.0
+            if p < end and indices[p] == j:
+                total += np.float64(weights[p])
+                p += 1
+            if q < other_end and other_indices[q] == j:
+                total += np.float64(other_weights[q])
+                q += 1
+            out_indices[filled], out_weights[filled] = j, total
+            filled += 1
+        out_indptr[k + 1] = filled
+    return out_indptr, out_indices[:filled], out_weights[:filled]
 
 
 def _with_room(array: NDArray[Any], size: int) -> NDArray[Any]:
@@ -181,17 +213,20 @@ def compressed(
 
 
 class _Room(threading.local):
-    """Where a thread counts: hits of N patches, a bit for each that was hit, one for every 64 of those; all zero."""
+    """Where a thread counts, all zero between blocks.
+
+    Further hits of N patches; a bit for each that was hit; for each that was hit again; for every 64 of the first.
+    """
 
     tally = np.empty(0, dtype=np.int32)
 
-    def of(self, count: int) -> tuple[NDArray[np.int32], NDArray[np.uint64], NDArray[np.uint64]]:
+    def of(self, count: int) -> tuple[NDArray[np.int32], *tuple[NDArray[np.uint64], ...]]:
         """Arrays for `count` patches, kept from one block to the next: touching new memory costs more than counting."""
         if len(self.tally) != count:
             self.tally = np.zeros(count, dtype=np.int32)
-            self.marks = np.zeros((count >> 6) + 1, dtype=np.uint64)
+            self.marks, self.again = np.zeros((2, (count >> 6) + 1), dtype=np.uint64)
             self.groups = np.zeros((count >> 12) + 1, dtype=np.uint64)
-        return self.tally, self.marks, self.groups
+        return self.tally, self.marks, self.again, self.groups
 
 
 _room = _Room()
@@ -203,8 +238,11 @@ def count_hits(hits: NDArray[np.int32], rows: int, count: int) -> Any:
 
 
 @numba.njit(nogil=True, cache=True)
-def _count_hits(hits, rows, tally, marks, groups):  # type: ignore[no-untyped-def]
-    """`count_hits`. The bits give the columns in order without a sort; what was written is zero again at the end."""
+def _count_hits(hits, rows, tally, marks, again, groups):  # type: ignore[no-untyped-def]
+    """`count_hits`. The bits give the columns in order without a sort; what was written is zero again at the end.
+
+    Bits stay in cache where a number for each patch would not, so numbers are for patches that are hit again.
+    """
     rays = hits.shape[0] // rows
     lengths = np.empty(rows, dtype=np.int64)
     indices = np.empty(hits.shape[0], dtype=np.int32)
@@ -217,9 +255,13 @@ def _count_hits(hits, rows, tally, marks, groups):  # type: ignore[no-untyped-de
         for r in range(k * rays, (k + 1) * rays):
             j = hits[r]
             if j >= 0:
-                tally[j] += 1
-                marks[j >> 6] |= ONE << np.uint64(j & 63)
-                groups[j >> 12] |= ONE << np.uint64((j >> 6) & 63)
+                w, bit = j >> 6, ONE << np.uint64(j & 63)
+                if marks[w] & bit:
+                    tally[j] += 1
+                    again[w] |= bit
+                else:
+                    marks[w] |= bit
+                    groups[j >> 12] |= ONE << np.uint64(w & 63)
             elif j == MISS:
                 to_sky[k] += 1
             else:
@@ -228,11 +270,16 @@ def _count_hits(hits, rows, tally, marks, groups):  # type: ignore[no-untyped-de
             while groups[g] != 0:
                 w = (g << 6) + _lowest_bit(groups[g])
                 groups[g] &= groups[g] - ONE
+                repeated = again[w]
+                again[w] = 0
                 while marks[w] != 0:
-                    j = (w << 6) + _lowest_bit(marks[w])
+                    b = _lowest_bit(marks[w])
+                    j = (w << 6) + b
                     marks[w] &= marks[w] - ONE
-                    indices[filled], counts[filled] = j, tally[j]
-                    tally[j] = 0
+                    indices[filled], counts[filled] = j, 1
+                    if (repeated >> np.uint64(b)) & ONE:
+                        counts[filled] += tally[j]
+                        tally[j] = 0
                     filled += 1
         lengths[k] = filled - begin
     return lengths, indices[:filled].copy(), counts[:filled].copy(), to_sky, to_backs

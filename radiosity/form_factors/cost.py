@@ -25,8 +25,9 @@ from .workers import Span
 if TYPE_CHECKING:
     from .estimate import Estimator
 
-SAMPLED = 16  # blocks of rows, as they are made at once
-LEAST_SAMPLE = 1 / 24  # of the rows, where there are few blocks
+SHARE = 24  # one block in so many is sampled …
+FEWEST, MOST = 32, 128  # … but not fewer and not more
+SMALLER = 8  # than what is made at once: neighbours are alike, so many blocks of few rows tell more than few of many
 PER_ROW = 24  # bytes beside the entries: where a row begins, its shares to sky and backs
 BESIDE = 100_000_000  # bytes of blocks under way, at most
 
@@ -75,7 +76,7 @@ def predict(
 ) -> Cost:
     """Bytes and seconds that `form_factors` will take.
 
-    Nothing is kept; the sample takes a few hundredths of a second, or a twenty-fourth of the whole where that is more.
+    Nothing is kept; the sample takes a few hundredths to a tenth of a second.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def predict(
     ready = time.perf_counter() - begin
     kind = np.dtype(dtype).type
     sample = [_sample(maker, len(patches), kind, threads) for maker in makers]
-    return _scaled(sample, makers, len(patches), kind, ready)
+    return _scaled(sample, makers, len(patches), kind, ready, thread_count(threads))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +123,7 @@ class _Sample:
 
 def _sample(maker: RowMaker, count: int, dtype: Float, threads: int | None) -> _Sample:
     """Some blocks of rows, made and stacked as all will be, and the seconds that it took."""
-    spans = _evenly(blocks(count, maker.rows_at_once), thread_count(threads))
+    spans = _evenly(blocks(count, max(1, maker.rows_at_once // SMALLER)), thread_count(threads))
 
     def make(span: Span) -> Rows:
         block = maker(span).finished(maker.divisor, dtype)
@@ -135,12 +136,14 @@ def _sample(maker: RowMaker, count: int, dtype: Float, threads: int | None) -> _
 
 
 def _evenly(spans: Sequence[Span], threads: int) -> list[Span]:
-    """Some of the spans, from the middles of equal parts of them all; whole rounds of the threads."""
-    wanted = min(len(spans), max(SAMPLED, 2 * threads)) if len(spans) * LEAST_SAMPLE >= 1 else len(spans)
+    """Some of the spans, from the middles of equal parts of them all; enough for all threads."""
+    wanted = min(len(spans), max(FEWEST, 4 * threads, min(MOST, len(spans) // SHARE)))
     return [spans[int((k + 0.5) * len(spans) / wanted)] for k in range(wanted)]
 
 
-def _scaled(samples: list[_Sample], makers: list[RowMaker], count: int, dtype: Float, ready: float) -> Cost:
+def _scaled(
+    samples: list[_Sample], makers: list[RowMaker], count: int, dtype: Float, ready: float, threads: int
+) -> Cost:
     """Cost of all rows from that of some."""
     entry = 4 + np.dtype(dtype).itemsize
     scale = count / samples[0].count
@@ -148,9 +151,10 @@ def _scaled(samples: list[_Sample], makers: list[RowMaker], count: int, dtype: F
     seconds = ready + scale * sum(sample.seconds for sample in samples)
     whole, kept = nonzeros[0], entry * sum(nonzeros) + PER_ROW * count * len(samples)
     if len(samples) > 1:
+        mean_rows([sample.rows[0] for sample in samples], dtype)
         begin = time.perf_counter()
         means = [mean_rows([sample.rows[k] for sample in samples], dtype) for k in range(len(samples[0].rows))]
-        seconds += scale * (time.perf_counter() - begin)
+        seconds += scale * (time.perf_counter() - begin) / threads
         whole = scale * sum(mean.matrix.nnz for mean in means)
         kept += entry * whole + PER_ROW * count
     peak = kept + min(BESIDE, kept)

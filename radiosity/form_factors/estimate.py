@@ -114,7 +114,7 @@ def form_factors(
     for replicate, maker in enumerate(makers):
         work = RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor)
         runs.append(_assemble(work, kept, tell))
-    factors = _with_replicates(runs, patches, estimator, kind)
+    factors = _with_replicates(runs, patches, estimator, kind, threads)
     seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
     factors.statistics.update(_counters(factors, estimator, patches), **seconds)
     return factors
@@ -136,12 +136,14 @@ def _assemble(work: RowsToMake, kept: Checkpoint | None, tell: Progress) -> Rows
     return rows._replace(exact_columns=work.maker.exact_columns)
 
 
-def _with_replicates(runs: list[Rows], patches: Patches, estimator: Estimator, dtype: Float) -> FormFactors:
+def _with_replicates(
+    runs: list[Rows], patches: Patches, estimator: Estimator, dtype: Float, threads: int | None
+) -> FormFactors:
     """Factors from rows; where there are several independent estimates, their mean, which keeps them."""
     found = [_factors(rows, patches, estimator) for rows in runs]
     if len(found) == 1:
         return found[0]
-    mean = _factors(mean_rows(runs, dtype), patches, estimator, tuple(found))
+    mean = _factors(mean_rows(runs, dtype, threads), patches, estimator, tuple(found))
     mean.statistics["leaks/share"] = float(np.mean([run.statistics["leaks/share"] for run in found]))
     return replace(mean, to_sky=np.mean([run.to_sky for run in found], axis=0))
 
