@@ -32,6 +32,10 @@ class MissingFileError(RadiosityError, FileNotFoundError):
     """A file, or the folder to write into, is not there."""
 
 
+class OutputError(RadiosityError, OSError):
+    """A file could not be written: no room, no permission, something in the way. What was there before still is."""
+
+
 class FormFactorError(RadiosityError, ValueError):
     """Form factors are not a light exchange: NaN, negative, row sums over one, wrong shape."""
 

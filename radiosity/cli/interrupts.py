@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
+from ..atomic import discard_temporaries
+
 INTERRUPTED = 130  # the exit code that shells give a command that Ctrl-C has ended
 GRACE = 0.8  # seconds from Ctrl-C until a library that does not listen is left behind
 
@@ -57,7 +59,8 @@ def _handling(handler: Callable[..., None]) -> Iterator[None]:
 
 
 def _leave(words: str = "interrupted") -> None:
-    """End the process as it stands."""
+    """End the process as it stands, but for files that are half-written."""
+    discard_temporaries()
     show_cursor = b"\x1b[?25h" if os.isatty(2) else b""
     with suppress(OSError):
         os.write(2, show_cursor + f"error: {words}\n".encode())

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._version import __version__
+from ..errors import OutputError
 from ..solution import Solution
 from .atomic import replacing
 
@@ -28,9 +29,10 @@ def write_vtp(solution: Solution, path: Path) -> None:
 
     Raises
     ------
-    OSError
+    OutputError
         VTK could not write, for instance because the disk is full.
     """
+    from vtkmodules.vtkCommonCore import vtkObject
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
     with replacing(path) as temporary:
@@ -38,8 +40,15 @@ def write_vtp(solution: Solution, path: Path) -> None:
         writer.SetFileName(str(temporary))
         writer.SetInputData(poly_data(solution))
         writer.SetCompressorTypeToNone()  # float64 hardly shrinks
-        if not writer.Write() or writer.GetErrorCode():
-            raise OSError(f"VTK could not write {path} (its error {writer.GetErrorCode()}); is the disk full?")
+        loud = vtkObject.GetGlobalWarningDisplay()
+        vtkObject.SetGlobalWarningDisplay(0)  # VTK would print a page before the error below
+        try:
+            good = writer.Write() and not writer.GetErrorCode()
+        finally:
+            vtkObject.SetGlobalWarningDisplay(loud)
+        if not good:
+            code = writer.GetErrorCode()
+            raise OutputError(f"cannot write {path}: VTK's error {code}, as on a full disk; the old file is as it was")
 
 
 def poly_data(solution: Solution) -> Any:
