@@ -12,12 +12,14 @@ Two conventions are in use, and a number means nothing before one of them is cho
 
 Lamps and readings agree as long as both use the same convention: what goes in as lumens comes out as lumens.
 
-| radiometric | | photometric | |
-|---|---|---|---|
-| power | W | luminous flux | lm |
-| radiosity, exitance | W/m² | luminous exitance | lm/m² |
-| irradiance | W/m² | illuminance | lux = lm/m² |
-| radiance = radiosity / π | W/(m² sr) | luminance | cd/m² = lm/(m² sr) |
+========================  =========  ==================  ====================
+radiometric                          photometric
+========================  =========  ==================  ====================
+power                     W          luminous flux       lm
+radiosity, exitance       W/m²       luminous exitance   lm/m²
+irradiance                W/m²       illuminance         lux = lm/m²
+radiance = radiosity / π  W/(m² sr)  luminance           cd/m² = lm/(m² sr)
+========================  =========  ==================  ====================
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Figures that a page makes: the code of a `plot` block runs when the book is built, and stands folded below it."""
+"""Figures that a page makes: the code of a `plot` block runs when the book is built, and stands folded below it.
+
+`sphinx-build -D keep_figures=1` draws only what is not there yet, for those who write.
+"""
 
 import hashlib
 from pathlib import Path
@@ -22,7 +25,9 @@ class Plot(SphinxDirective):
         """Run the code, and give the figure and the code."""
         code = "\n".join(self.content)
         name = hashlib.sha256(code.encode()).hexdigest()[:16] + ".png"
-        draw(code, Path(self.env.srcdir) / "_build" / "figures" / name, self.get_location())
+        path = Path(self.env.srcdir) / "_build" / "figures" / name
+        if not (self.config.keep_figures and path.exists()):
+            draw(code, path, self.get_location())
         image = nodes.image(uri=f"/_build/figures/{name}", alt=self.options["alt"])
         listing = nodes.literal_block(code, code, language="python")
         unfold = nodes.raw("", "<details><summary>The code of this figure</summary>", format="html")
@@ -46,5 +51,6 @@ def draw(code: str, path: Path, place: str) -> None:
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Called by Sphinx."""
+    app.add_config_value("keep_figures", False, "", (bool, str))
     app.add_directive("plot", Plot)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -47,7 +47,7 @@ class Certificate:
         Standard error from the spread of independent replicates; 0.0 for factors that were not sampled, None where
         it is not known.
     closure : float
-        Largest |1 - Σ_j F_ij - to_sky - to_backs|.
+        Largest ``|1 - Σ_j F_ij - to_sky - to_backs|``.
     reciprocity : float
         ‖G - Gᵀ‖ / ‖G‖.
     reciprocity_expected : float or None

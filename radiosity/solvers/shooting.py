@@ -28,7 +28,7 @@ class Shooting(Solver):
     With stored factors the true columns are used. With `RowsOnDemand` the column comes from row i by reciprocity,
     F_ji = A_i F_ij / A_j, so one row is computed a shot and nothing is stored. `step.radiosity` holds the unshot
     light `step.unshot` (W/m²) too, which is why its residual is T unshot. The order of shots is that of unshot
-    power Σ_c A |unshot|; ties go to the lowest patch.
+    power ``Σ_c A |unshot|``; ties go to the lowest patch.
 
     Parameters
     ----------

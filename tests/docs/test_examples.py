@@ -14,6 +14,7 @@ def examples(page: Path) -> list[str]:
     return EXAMPLE.findall(page.read_text(encoding="utf-8"))
 
 
+@pytest.mark.filterwarnings("default::radiosity.errors.RadiosityWarning")
 @pytest.mark.parametrize("page", [page for page in PAGES if examples(page)], ids=lambda page: page.stem)
 def test_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "meshes").symlink_to(ROOT / "meshes")
