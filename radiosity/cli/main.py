@@ -10,13 +10,13 @@ from contextlib import suppress
 
 from .._version import __version__
 from ..errors import RadiosityError
-from . import lecture, render, scenes, solve, view
+from . import lecture, render, scenes, solve, stress, study, view
 from .console import Screen
 from .interrupts import INTERRUPTED, interruptible
 
 FAILED = 2
 
-COMMANDS = (solve, view, render, lecture, scenes)
+COMMANDS = (solve, view, render, lecture, scenes, study, stress)
 
 DESCRIPTION = """\
 How light fills a room of matt surfaces, bounce by bounce: form factors by hemicube or by Monte Carlo rays, and the
@@ -42,7 +42,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 when all went well, 2 when the input or the machine does not allow it, 130 after Ctrl-C.
+        0 when all went well, 1 when a case of `stress` failed, 2 when the input or the machine does not allow it, 130
+        after Ctrl-C.
     """
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError):  # a terminal that lacks ρ shows a question mark for it
@@ -59,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(args: argparse.Namespace, screen: Screen) -> int:
     """Run a command; errors that are meant for people become one line."""
     try:
-        args.run(args, screen)
+        code = args.run(args, screen)
     except KeyboardInterrupt:
         screen.error(_interrupted(args))
         return INTERRUPTED
@@ -72,7 +73,7 @@ def _run(args: argparse.Namespace, screen: Screen) -> int:
     except (OSError, MemoryError) as error:
         screen.error(f"{type(error).__name__}: {error}")
         return FAILED
-    return 0
+    return int(code or 0)  # a command that has something to say by its code returns one
 
 
 def _interrupted(args: argparse.Namespace) -> str:

@@ -35,6 +35,8 @@ FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether the
 CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
 COSTLY = 4.0  # first shadow rays over the larger of the budgets, above which emitters are too many to look at each
 NEGLIGIBLE = 1e-14  # a form factor that is rounding
+SMALL_EMITTER = 1e-3  # of the scene's diagonal: an emitter's edge below which rays are aimed off its rim …
+AIM = 4e-7  # … by so much, the rounding of Embree's coordinates: they would pass by
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +152,7 @@ class DirectLight:
         ones = np.ones_like(tracer.table.columns)
         self.ground = _Ground(
             tracer.table,
-            tracer.table._replace(columns=ones, rows=ones),
+            _aimed_at(tracer.table)._replace(columns=ones, rows=ones),
             patches.face,
             patches.side,
             np.where(patches.side > 0, patches.grid.front[patches.face], patches.grid.back[patches.face]),
@@ -195,6 +197,16 @@ class DirectLight:
         met = self.tracer.run(origins, directions).reshape(weight.shape)
         _only_emitters(self.ground, pairs, met)
         return _Seen(met, weight)
+
+
+def _aimed_at(table: FaceTable) -> FaceTable:
+    """The table with small faces shrunk towards their middle, down to a point: a ray that is aimed there meets them."""
+    lengths = np.linalg.norm([table.along, table.across], axis=2)
+    kept = np.where(lengths < SMALL_EMITTER, np.maximum(0.0, 1.0 - 2.0 * AIM / lengths), 1.0)
+    kept = np.where(table.quad, kept, kept.min(axis=0))[:, :, None]
+    middle = np.where(table.quad, 0.5, 1.0 / 3.0)[:, None]
+    moved = (1.0 - kept[0]) * middle * table.along + (1.0 - kept[1]) * middle * table.across
+    return table._replace(origin=table.origin + moved, along=kept[0] * table.along, across=kept[1] * table.across)
 
 
 def _corner_points() -> NDArray[np.uint32]:

@@ -22,6 +22,7 @@ from .assembly import Float, Rows, mean_rows, stack_rows
 from .checkpoint import Checkpoint
 from .cost import check_cost
 from .factors import FormFactors
+from .gaps import check_gaps
 from .hemicube import Hemicube
 from .identity import fingerprint
 from .monte_carlo import MonteCarlo
@@ -74,6 +75,8 @@ def form_factors(
     ------
     ParameterError
         A dtype that is neither; an executor or a checkpoint that is none.
+    GeometryError
+        A lamp nearer to what it shines on than rays can tell apart.
     MemoryLimitError
         More than the memory limit, foretold before anything is assembled; with the figures and the ways out.
     WorkerLostError
@@ -98,6 +101,8 @@ def form_factors(
     if executor is not None:
         Crew(executor)
     estimator = MonteCarlo() if estimator is None else estimator
+    if not isinstance(estimator, Analytic):
+        check_gaps(patches)
     begin = time.perf_counter()
     tracer = Tracer(patches.grid)
     built = time.perf_counter()
