@@ -166,4 +166,4 @@ def _files() -> Iterator[Refusal]:
     yield "a .glb cut off in its header", FileFormatError, lambda: read("a.glb", b"glTF\x02\x00"), ("a.glb",)
     yield "an empty .ply", FileFormatError, lambda: read("a.ply", b""), ("a.ply",)
     yield "a web page called .obj", FileFormatError, lambda: read("a.obj", b"<html><body>404</body></html>"), ("a.obj",)
-    yield "an .obj with a corner that is NaN", GeometryError, lambda: read("a.obj", OBJ), ("not finite",)
+    yield "an .obj with a corner that is NaN", FileFormatError, lambda: read("a.obj", OBJ), ("line 3", "nan")
