@@ -7,7 +7,6 @@ of a float64. A reader refuses versions above its own and still reads those belo
 from __future__ import annotations
 
 import math
-import platform
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
@@ -29,6 +28,7 @@ from ..solvers import Neumann, Solver
 from . import checked
 from .checked import JSON
 from .npz import Archive, write_archive
+from .provenance import provenance, scene_hash
 from .solution_arrays import (
     RESULT,
     Reader,
@@ -58,8 +58,7 @@ def write_npz(solution: Solution, path: Path) -> None:
     header = {
         "format": FORMAT,
         "version": VERSION,
-        "written_by": f"radiosity {__version__}",
-        "versions": {"python": platform.python_version(), "numpy": np.__version__},
+        **provenance(solution.scene),
         "scene": geometry.header,
         "patches": {"closed": solution.patches.closed, "name": solution.patches.name},
         "estimator": _parameters(factors.estimator),
@@ -98,6 +97,7 @@ def read_npz(path: Path) -> Solution:
         _check_parts(header)
         reader = Reader(archive)
         scene = _scene(reader, header["scene"])
+        _check_scene(scene, header)
         patches = _patches(reader, header["patches"], scene)
         estimator = _made(checked.mapping(header, "estimator", "header"), ESTIMATORS, "estimator")
         counters = checked.mappings(header, "factors", "header")
@@ -125,6 +125,13 @@ def _check_version(header: JSON) -> None:
             f"it was written by {by:.40} in version {version} of the format; radiosity {__version__} reads up to "
             f"{VERSION}: install the newer one"
         )
+
+
+def _check_scene(scene: Scene, header: JSON) -> None:
+    """Refuse a scene that is not the one that was written; the first files of version 1 have no hash."""
+    said = checked.text(header, "scene_sha256", "header")
+    if said and said != scene_hash(scene):
+        raise FileFormatError("its scene is not the one that it was written with: the hash does not fit")
 
 
 def _check_parts(header: JSON) -> None:

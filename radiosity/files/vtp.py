@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._version import __version__
 from ..errors import OutputError
 from ..solution import Solution
 from .atomic import replacing
+from .provenance import provenance
 
 
 def write_vtp(solution: Solution, path: Path) -> None:
@@ -67,7 +67,7 @@ def poly_data(solution: Solution) -> Any:
     about = {
         "format": "radiosity",
         "version": 1,
-        "written_by": f"radiosity {__version__}",
+        **provenance(solution.scene),
         "scene": solution.scene.name,
         "status": solution.status,
         "settings": solution.settings,

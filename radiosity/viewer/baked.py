@@ -6,6 +6,7 @@ the file encodes it. `KHR_materials_unlit` keeps that program from lighting the 
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from .. import display
 from .._version import __version__
 from ..files.gltf_write import glb
+from ..files.provenance import provenance
 from .mesh import corner_points, corner_weights
 from .state import Pane, Series, ViewState, coloured, start
 
@@ -91,6 +93,8 @@ def _document(
                 "order": state.order,
                 "tone": state.tone,
                 "factor": series.factor(state, pane),
+                **provenance(solution.scene),
+                "settings": json.loads(json.dumps(solution.settings, default=str)),
             }
         },
     }
