@@ -31,6 +31,7 @@ FLOORS = (
     "balance",
     "dark",
     "irradiance",
+    "hemisphere",
     "plan",
     "shortcuts",
     "path_tracer",

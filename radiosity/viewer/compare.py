@@ -17,6 +17,7 @@ from .overlay import HERE, INK, PANEL, Raster, Words
 from .state import coloured
 
 if TYPE_CHECKING:
+    from ..solution import Solution
     from .window import Window
 
 EQUATION_DPI = 220
@@ -43,10 +44,12 @@ class Compare:
         """The one that is shown."""
         return ALL[self.window.state.wrong % len(ALL)]
 
-    @functools.lru_cache(maxsize=16)  # noqa: B019 (lives as long as the window)
     def light(self, number: int) -> NDArray[np.float32]:
         """Wrong light (N, 3), W/m²."""
-        solution = self.window.solution
+        return self._light(number, self.window.solution)
+
+    @functools.lru_cache(maxsize=16)  # noqa: B019 (lives as long as the window)
+    def _light(self, number: int, solution: Solution) -> NDArray[np.float32]:
         wrong = ALL[number % len(ALL)].radiosity(solution.patches, solution.factors, solution.radiosity)
         return display.as_rgb(np.asarray(wrong)).astype(np.float32)
 

@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from .. import display
 from ..form_factors.hemicube import hemicube_rays, pixels, sample_points
 from ..rays import BACK, Tracer
+from .palette import GATHERING, SHOOTING
 
 if TYPE_CHECKING:
     from ..patches import Patches
@@ -229,12 +230,20 @@ class MatrixView:
         ends = np.cumsum(np.bincount(surface, minlength=len(names))) / count
         return cls(means, place, tuple(zip(names, ends.tolist(), strict=True)))
 
-    def picture(self, patch: int = -1) -> ByteArray:
-        """Logarithmic false colour, (M, M, 3); the row and the column of a patch lit up."""
+    def picture(self, patch: int = -1, *, row: int = -1, column: int = -1) -> ByteArray:
+        """Logarithmic false colour, (M, M, 3); row and column of a patch lit up, or a row and a column alone."""
+        row, column = max(row, patch), max(column, patch)
         colours, _, _ = factor_colours(self.means.ravel())
         image = colours.reshape(*self.means.shape, 3)
-        if patch >= 0:
-            pixel = self.place[patch]
-            for line in (np.s_[pixel, :], np.s_[:, pixel]):
-                image[line] = np.maximum(image[line], 110) // 2 + 127
+        thick = len(image) // 200  # to either side, so that a small picture shows it
+        if row >= 0:
+            _light_up(image[max(0, self.place[row] - thick) : self.place[row] + thick + 1], GATHERING)
+        if column >= 0:
+            _light_up(image[:, max(0, self.place[column] - thick) : self.place[column] + thick + 1], SHOOTING)
         return image
+
+
+def _light_up(line: ByteArray, colour: str) -> None:
+    """Lay a colour over pixels, which stay to be told apart."""
+    glow = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)])
+    line[:] = (line.astype(np.int64) + 3 * glow) // 4

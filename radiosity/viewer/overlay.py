@@ -5,14 +5,16 @@ VTK's built-in font lacks Σ, superscripts and ρ, so words are set in the DejaV
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import matplotlib
 import numpy as np
 import pyvista as pv
 from numpy.typing import ArrayLike, NDArray
+from PIL import ImageFont
 from vtkmodules.vtkCommonCore import VTK_FONT_FILE
 from vtkmodules.vtkRenderingCore import (
     vtkActor2D,
@@ -23,16 +25,14 @@ from vtkmodules.vtkRenderingCore import (
 )
 
 from .. import display
-
-if TYPE_CHECKING:
-    from .state import Series
+from .palette import CHANNEL_COLOURS as CHANNEL_COLOURS
+from .palette import FAINT as FAINT
+from .palette import HERE as HERE
+from .palette import INK as INK
+from .palette import PANEL as PANEL
+from .palette import STRONG
 
 DESIGN_HEIGHT = 900.0  # window height, in pixels, that font sizes are given for
-PANEL = "#15181d"
-INK = "#e8eaed"
-FAINT = "#9aa3ae"
-HERE = "#ff7043"
-CHANNEL_COLOURS = ("#e4572e", "#5fb346", "#5b8def")
 
 Align = Literal["left", "center", "right"]
 
@@ -40,6 +40,24 @@ Align = Literal["left", "center", "right"]
 def font(style: str = "") -> str:
     """File of a DejaVu Sans style: "", "-Bold", "-Oblique"."""
     return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / f"DejaVuSans{style}.ttf")
+
+
+@functools.lru_cache(maxsize=64)
+def _face(style: str, size: int) -> ImageFont.FreeTypeFont:
+    return ImageFont.truetype(font(style), size)
+
+
+def wrap(text: str, width: float, size: float, style: str = "") -> list[str]:
+    """Break a text into lines that are not wider than `width` pixels in letters of `size` pixels."""
+    face = _face(style, max(6, round(size)))
+    found = [""]
+    for word in text.split(" "):
+        longer = f"{found[-1]} {word}".strip()
+        if face.getlength(longer) <= width or not found[-1]:
+            found[-1] = longer
+        else:
+            found.append(word)
+    return found
 
 
 class Words:
@@ -67,6 +85,8 @@ class Words:
         words: str = "",
     ) -> None:
         self.size = size
+        self.style = style
+        self.plain, self.strong = colour, False
         self.actor = vtkTextActor()
         self.actor.SetTextScaleModeToNone()
         self.actor.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
@@ -92,11 +112,34 @@ class Words:
 
     def colour(self, colour: str) -> None:
         """Set the letters in another colour."""
-        self.property.SetColor(*pv.Color(colour).float_rgb)
+        self.plain = colour
+        self.property.SetColor(*pv.Color(STRONG.get(colour, colour) if self.strong else colour).float_rgb)
 
-    def scale(self, scale: float) -> None:
-        """Set the letters larger or smaller than designed."""
-        self.property.SetFontSize(max(6, round(self.size * scale)))
+    def contrast(self, strong: bool) -> None:
+        """Set the letters in stronger colours, for a projector, or in their own."""
+        self.strong = strong
+        self.colour(self.plain)
+
+    def stand_at(self, point: ArrayLike) -> None:
+        """Put the words where a point of the scene is seen, (3,)."""
+        self.actor.GetPositionCoordinate().SetCoordinateSystemToWorld()
+        self.actor.GetPositionCoordinate().SetValue(*np.asarray(point, dtype=np.float64))
+
+    def scale(self, scale: float, room: float = 0.0) -> None:
+        """Set the letters larger or smaller than designed; not wider than `room` pixels, if that is given."""
+        size = self.size * scale
+        if room > 0.0 and (width := self.width(size)) > room:
+            size *= room / width
+        self.property.SetFontSize(max(6, round(size - 0.5 * (size < self.size * scale))))
+
+    def width(self, size: float) -> float:
+        """Pixels that the words take in letters of a size."""
+        return _face(self.style, max(6, round(size))).getlength(self.actor.GetInput())
+
+    def on_ground(self, opacity: float = 0.6) -> None:
+        """Set the words on a dark ground, to be read on any picture."""
+        self.property.SetBackgroundColor(*pv.Color(PANEL).float_rgb)
+        self.property.SetBackgroundOpacity(opacity)
 
     def show(self, visible: bool) -> None:
         """Show or hide."""
@@ -154,7 +197,7 @@ class Shapes:
 
 
 class Raster:
-    """A picture of pixels, as large as fits in the middle of a box.
+    """A picture of pixels, as large as fits in the middle of a box, or in its lower left corner.
 
     Parameters
     ----------
@@ -163,6 +206,8 @@ class Raster:
         In shares of the pane.
     smooth : bool
         Blend neighbouring pixels.
+    corner : bool
+        Stand in the lower left corner.
     """
 
     def __init__(
@@ -171,8 +216,9 @@ class Raster:
         box: tuple[float, float, float, float] = (0.03, 0.03, 0.97, 0.97),
         *,
         smooth: bool = False,
+        corner: bool = False,
     ) -> None:
-        self.renderer, self.box, self.smooth = renderer, box, smooth
+        self.renderer, self.box, self.smooth, self.corner = renderer, box, smooth, corner
         place = vtkCoordinate()
         place.SetCoordinateSystemToNormalizedViewport()
         self.mesh = pv.PolyData(np.zeros((4, 3)), faces=[4, 0, 1, 2, 3])
@@ -194,106 +240,13 @@ class Raster:
         left, bottom, right, top = self.box
         size = min((right - left) * width / image.shape[1], (top - bottom) * height / image.shape[0])
         x, y = (size * image.shape[1] / width / 2, size * image.shape[0] / height / 2)
-        middle = np.array([(left + right) / 2, (bottom + top) / 2, 0])
+        middle = np.array([left + x, bottom + y, 0] if self.corner else [(left + right) / 2, (bottom + top) / 2, 0])
         corners = np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]])
         self.mesh.points = middle + corners
         texture = pv.Texture(np.ascontiguousarray(image))
         texture.SetInterpolate(self.smooth)
         texture.SetMipmap(self.smooth)
         self.actor.SetTexture(texture)
-
-
-class PowerPanel:
-    """Power per bounce on a logarithmic axis, with a marker at the bounce that is shown.
-
-    Parameters
-    ----------
-    renderer : pyvista.Renderer
-    series : Series
-    box : (left, bottom, right, top)
-        Of the curves, in shares of the pane; words stand around it.
-    """
-
-    def __init__(self, renderer: pv.Renderer, series: Series, box: tuple[float, float, float, float]) -> None:
-        self.box = box
-        self.power = series.power
-        self.low, self.high = _decades(series.power)
-        left, bottom, right, top = box
-        self.words = [
-            Words(renderer, (left, top + 0.09), 15, colour=INK, words="power per bounce, W"),
-            Words(renderer, ((left + right) / 2, bottom - 0.2), 13, colour=FAINT, align="center", words="bounce k"),
-        ]
-        self.marker = Shapes(renderer, width=2.0)
-        self.patch_curve = Shapes(renderer, width=1.5)
-        grid = Shapes(renderer, opacity=0.5)
-        levels = range(self.low, self.high + 1, max(1, (self.high - self.low + 3) // 4))
-        grid.boxes(
-            [(left, self._y(10.0**n) - 0.003, right, self._y(10.0**n) + 0.003) for n in levels],
-            ["#4a525d"] * len(levels),
-        )
-        for n in levels:
-            self.words.append(
-                Words(renderer, (left - 0.008, self._y(10.0**n)), 12, colour=FAINT, align="right", words=_ten(n))
-            )
-        for k in range(0, series.last + 1, max(1, round(series.last / 10))):
-            self.words.append(
-                Words(renderer, (self._x(k), bottom - 0.08), 12, colour=FAINT, align="center", words=str(k))
-            )
-        self._curves(renderer)
-
-    def _curves(self, renderer: pv.Renderer) -> None:
-        channels = self.power.shape[1]
-        for c in range(channels):
-            colour = CHANNEL_COLOURS[c] if channels == 3 else INK
-            lit = np.flatnonzero(self.power[:, c] >= 10.0**self.low)
-            if lit.size:
-                points = [(self._x(k), self._y(self.power[k, c])) for k in lit]
-                Shapes(renderer, width=2.0).lines(points, colour)
-                dots = Shapes(renderer)
-                dots.boxes([(x - 0.003, y - 0.018, x + 0.003, y + 0.018) for x, y in points], [colour] * len(points))
-
-    def _x(self, order: Any) -> float:
-        left, _, right, _ = self.box
-        return left + (right - left) * (order + 0.5) / len(self.power)
-
-    def _y(self, power: float) -> float:
-        _, bottom, _, top = self.box
-        return bottom + (top - bottom) * (np.log10(power) - self.low) / (self.high - self.low)
-
-    def mark(self, order: int) -> None:
-        """Put the marker at a bounce."""
-        x = self._x(order)
-        self.marker.boxes([(x - 0.0015, self.box[1], x + 0.0015, self.box[3])], [HERE])
-
-    def show_patch(self, light: NDArray[np.floating[Any]] | None) -> None:
-        """Add the shape of one patch's light by order (K + 1,), lifted to the top of the panel; or take it away."""
-        shown = light is not None and bool((light > 0).sum() > 1)
-        self.patch_curve.show(shown)
-        if light is not None and shown:
-            lifted = light * (10.0**self.high / light.max())
-            orders = np.flatnonzero(lifted >= 10.0**self.low)
-            self.patch_curve.lines([(self._x(k), self._y(lifted[k])) for k in orders], INK)
-
-
-def _decades(power: NDArray[np.float64], most: int = 8) -> tuple[int, int]:
-    """Powers of ten around positive values, not more than `most` apart."""
-    positive = power[power > 0.0]
-    if positive.size == 0:
-        return (0, 1)
-    high = int(np.ceil(np.log10(positive.max()) + 1e-9))
-    low = int(np.floor(np.log10(positive.min()) - 1e-9))
-    return (max(low, high - most), high)
-
-
-def _ten(power: int) -> str:
-    """A power of ten for an axis.
-
-    >>> _ten(-2), _ten(1)
-    ('10⁻²', '10')
-    """
-    if power in (0, 1):
-        return "1" if power == 0 else "10"
-    return "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 class ScaleBar:

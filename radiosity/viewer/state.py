@@ -6,7 +6,7 @@ Nothing here knows a window. The window, the page and the figures hold a `Series
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,19 +15,27 @@ from numpy.typing import NDArray
 
 from .. import display
 from ..errors import ParameterError
+from .changes import Changes
+from .dome import Dome
+from .titles import caption as caption
+from .titles import formula as formula
+from .titles import in_words as in_words
+from .titles import mathtext as mathtext
 
 if TYPE_CHECKING:
     from ..solution import Solution
 
 Pane = Literal["order", "sum"]
 PANES: tuple[Pane, ...] = ("order", "sum")
-Left = Literal["order", "factors", "hemicube", "matrix", "wrong"]
-LEFTS: tuple[Left, ...] = ("order", "factors", "hemicube", "matrix", "wrong")
+Left = Literal["order", "factors", "hemicube", "matrix", "hemisphere", "solvers", "wrong"]
+LEFTS: tuple[Left, ...] = ("order", "factors", "hemicube", "matrix", "hemisphere", "solvers", "wrong")
+CYCLE = LEFTS[:4]  # what one key goes through; the others have keys of their own
 OF_A_PATCH = ("factors", "hemicube")  # need a picked patch
 EXPOSURES = (-6.0, 12.0)  # EV that the slider reaches, about the automatic exposure
 EXPOSURE_STEP = 0.5
 ORDERS_WHEN_NONE = 10  # bounces to compute where the solver kept none
 FALSE_COLOUR_DECADES = 2
+FRAMES = 60  # of gathering against shooting
 
 
 @dataclass(frozen=True)
@@ -59,15 +67,23 @@ class ViewState:
         Which camera preset, counted up.
     picked, other : int
         Picked patch, and the one that its exchange is looked at with; -1 for none.
-    left : {"order", "factors", "hemicube", "matrix", "wrong"}
-        What the left pane shows: the bounce; the picked patch's form factors; what it sees; the operator T; a
-        shortcut, wrong on purpose.
+    left : {"order", "factors", "hemicube", "matrix", "hemisphere", "solvers", "wrong"}
+        What the left pane shows: the bounce; the picked patch's form factors; what it sees; the operator T; the
+        hemisphere at the picked patch; gathering, while the right pane shows shooting; a shortcut, wrong on purpose.
+    dome : Dome
+        What is shown of the hemisphere.
+    work : int
+        Frame of gathering against shooting.
+    changes : Changes
+        Light and paint that differ from the scene as it was solved.
     wrong : int
         Which of `radiosity.shortcuts.ALL`.
     difference : bool
         Of a shortcut, show how far off it is.
     verdict : bool
         Say how wrong the light can be.
+    photometric : bool
+        The channels hold lumens: numbers are lux instead of W/m² (see `radiosity.photometry`).
     playing, help, projector : bool
         Bounces advance by themselves; the list of keys is open; large type.
     """
@@ -86,9 +102,13 @@ class ViewState:
     picked: int = -1
     other: int = -1
     left: Left = "order"
+    dome: Dome = field(default_factory=Dome)
+    work: int = 0
+    changes: Changes = field(default_factory=Changes)
     wrong: int = 0
     difference: bool = False
     verdict: bool = False
+    photometric: bool = False
     playing: bool = False
     help: bool = False
     projector: bool = False
@@ -100,18 +120,31 @@ class ViewState:
             raise ParameterError(f"the left pane cannot show {self.left!r}; choose from {', '.join(LEFTS)}")
         object.__setattr__(self, "order", int(np.clip(self.order, 0, self.last)))
         object.__setattr__(self, "exposure", float(np.clip(self.exposure, *EXPOSURES)))
+        object.__setattr__(self, "work", int(np.clip(self.work, 0, FRAMES - 1)))
 
     def at(self, order: float) -> ViewState:
         """The state at the nearest order that there is."""
         return replace(self, order=round(order))
 
-    def step(self, bounces: int = 1) -> ViewState:
-        """Some bounces on, or back."""
-        return self.at(self.order + bounces)
+    @property
+    def reel(self) -> tuple[int, int]:
+        """What arrow keys, the first slider and the animation move: bounces, or frames of the solvers; and its end."""
+        return (self.work, FRAMES - 1) if self.left == "solvers" else (self.order, self.last)
+
+    def moved_to(self, place: float) -> ViewState:
+        """The state at another place of what is being moved through."""
+        return replace(self, work=round(place)) if self.left == "solvers" else self.at(place)
+
+    def step(self, places: int = 1) -> ViewState:
+        """Some bounces on, or back; or frames of the solvers."""
+        return self.moved_to(self.reel[0] + places)
 
     def tick(self) -> ViewState:
-        """One step of the animation: the next bounce, and after the last the lamps alone."""
-        return self.at(0 if self.order == self.last else self.order + 1)
+        """One step of the animation: the next bounce or frame, from the last to the first; or the sum over the dome."""
+        if self.left == "hemisphere" and self.dome.stage == "sum":
+            return replace(self, dome=self.dome.swept_on())
+        place, end = self.reel
+        return self.moved_to(0 if place == end else place + 1)
 
     def exposed(self, ev: float) -> ViewState:
         """The state at another exposure."""
@@ -125,10 +158,35 @@ class ViewState:
         """The next tone operator."""
         return replace(self, tone=display.TONES[(display.TONES.index(self.tone) + 1) % len(display.TONES)])
 
+    def marked(self) -> ViewState:
+        """The state that marks what the linear operator clips, which is the one it then has; or not."""
+        return replace(self, mark_clipped=not self.mark_clipped, tone=self.tone if self.mark_clipped else "linear")
+
     def pick(self, patch: int) -> ViewState:
-        """The state with a patch picked, or with none."""
+        """The state with a patch picked, or with none; a path over hemispheres begins anew."""
         left = "order" if patch < 0 and self.left in OF_A_PATCH else self.left
-        return replace(self, picked=patch, other=-1, left=left)
+        return replace(self, picked=patch, other=-1, left=left, dome=replace(self.dome, path=()))
+
+    def walk(self, patch: int) -> ViewState:
+        """Open the hemisphere of a patch that the picked one sees: one step of the recursion.
+
+        Light of one bounce was light of the bounce before it where it came from; there is nothing before the lamps.
+        """
+        if patch < 0 or self.picked < 0 or (self.dome.single and self.order == 0):
+            return self
+        dome = replace(self.dome, path=(*self.dome.path, (self.picked, self.order)))
+        return replace(self, picked=patch, other=-1, dome=dome, order=self.order - self.dome.single)
+
+    def walk_back(self) -> ViewState:
+        """To the hemisphere that one came from, and its bounce."""
+        if not self.dome.path:
+            return self
+        patch, order = self.dome.path[-1]
+        return replace(self, picked=patch, other=-1, order=order, dome=replace(self.dome, path=self.dome.path[:-1]))
+
+    def showing(self, left: Left) -> ViewState:
+        """The state with something in the left pane, or with the bounces again where that is there already."""
+        return replace(self, left="order" if self.left == left else left)
 
     def pick_other(self, patch: int) -> ViewState:
         """The state with a second patch picked beside the first."""
@@ -136,7 +194,7 @@ class ViewState:
 
     def next_left(self) -> ViewState:
         """The next thing to show in the left pane, leaving out what needs a patch if none is picked."""
-        possible = [left for left in LEFTS[:-1] if self.picked >= 0 or left not in OF_A_PATCH]
+        possible = [left for left in CYCLE if self.picked >= 0 or left not in OF_A_PATCH]
         if self.left not in possible:
             return replace(self, left="order")
         return replace(self, left=possible[(possible.index(self.left) + 1) % len(possible)])
@@ -159,42 +217,6 @@ class ViewState:
         return replace(self, **change)
 
 
-@dataclass(frozen=True)
-class Command:
-    """A key and what it does to the state."""
-
-    keys: tuple[str, ...]  # as VTK names them
-    shown: str  # how a person names them
-    does: str
-    change: Callable[[ViewState], ViewState]
-
-
-COMMANDS = (
-    Command(("Right",), "→", "next bounce", lambda state: state.step(1)),
-    Command(("Left",), "←", "previous bounce", lambda state: state.step(-1)),
-    Command(("Home",), "Home", "lamps alone, k = 0", lambda state: state.at(0)),
-    Command(("End",), "End", "last bounce", lambda state: state.at(state.last)),
-    Command(("space",), "space", "play / pause", lambda state: state.toggled("playing")),
-    Command(("Up",), "↑", "brighter by ½ EV", lambda state: state.brighter(1)),
-    Command(("Down",), "↓", "darker by ½ EV", lambda state: state.brighter(-1)),
-    Command(("0",), "0", "automatic exposure", lambda state: state.exposed(0.0)),
-    Command(("n", "N"), "n", "each bounce on its own exposure", lambda state: state.toggled("normalised")),
-    Command(("t", "T"), "t", "tone operator: Reinhard / linear", lambda state: state.toned()),
-    Command(("m", "M"), "m", "mark what linear clips", lambda state: state.toggled("mark_clipped")),
-    Command(("f", "F"), "f", "false colour of luminance", lambda state: state.toggled("false_colour")),
-    Command(("s", "S"), "s", "smooth / flat patches", lambda state: state.toggled("smooth")),
-    Command(("w", "W"), "w", "edges of the patches", lambda state: state.toggled("wireframe")),
-    Command(("b", "B"), "b", "backs of one-sided faces", lambda state: state.toggled("backs")),
-    Command(("g", "G"), "g", "left: bounce / F of a patch / hemicube / T", lambda state: state.next_left()),
-    Command(("x", "X"), "x", "left: shortcuts, wrong on purpose", lambda state: state.next_wrong()),
-    Command(("d", "D"), "d", "difference of a shortcut to the truth", lambda state: state.toggled("difference")),
-    Command(("v", "V"), "v", "verdict: how wrong this can be", lambda state: state.toggled("verdict")),
-    Command(("c", "C"), "c", "next camera", lambda state: replace(state, preset=state.preset + 1)),
-    Command(("p", "P"), "p", "projector: large type", lambda state: state.toggled("projector")),
-    Command(("question", "h", "H"), "?", "this list", lambda state: state.toggled("help")),
-)
-
-
 @dataclass(frozen=True, eq=False)
 class Series:
     """The light of a solution by order, ready to be shown.
@@ -208,27 +230,30 @@ class Series:
     power : ndarray (K + 1, C)
         Power that leaves the surfaces with each order, W.
     common : float
-        Exposure factor that shows the middle lit patch of the whole reflected light as mid-grey.
-    own : ndarray (K + 1,)
-        By which factor each order is brightened beyond `common` when it is shown by itself; 1 where it is black.
+        Exposure factor. By default the one that shows the middle lit patch of the whole reflected light as mid-grey.
     """
 
     orders: NDArray[np.float32]
     sums: NDArray[np.float32]
     area: NDArray[np.float64]
     power: NDArray[np.float64]
-    common: float = field(init=False)
-    own: NDArray[np.float64] = field(init=False)
+    common: float = 0.0
 
     def __post_init__(self) -> None:
+        if self.common > 0.0:
+            return
         reflected = self.sums[-1] - self.orders[0]
         shown = reflected if reflected.any() else self.sums[-1]
         object.__setattr__(self, "common", display.automatic_factor(shown, self.area))
+
+    @functools.cached_property
+    def own(self) -> NDArray[np.float64]:
+        """By which factor each order is brightened beyond `common` when it is shown by itself, (K + 1,); 1 if black."""
         factors = [display.automatic_factor(order, self.area) if order.any() else self.common for order in self.orders]
-        object.__setattr__(self, "own", np.array(factors) / self.common)
+        return np.array(factors) / self.common
 
     @classmethod
-    def of(cls, solution: Solution) -> Series:
+    def of(cls, solution: Solution, common: float = 0.0) -> Series:
         """The orders of a solution; where its solver kept none, they are computed again from its factors."""
         kept = solution.orders
         if kept is None:
@@ -243,6 +268,7 @@ class Series:
             sums=np.cumsum(orders, axis=0).astype(np.float32),
             area=area,
             power=np.einsum("n,knc->kc", area, kept),
+            common=common,
         )
 
     @property
@@ -284,54 +310,6 @@ def coloured(series: Series, state: ViewState, pane: Pane, light: NDArray[Any]) 
         low, high = series.scale(state, pane)
         return display.false_colour(display.luminance(light), low, high, logarithmic=True)
     return display.tone_map(light, series.factor(state, pane), state.tone, mark_clipped=state.mark_clipped)
-
-
-SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-
-
-def formula(order: int, pane: Pane) -> str:
-    """The term of the series that a pane shows, in plain Unicode.
-
-    >>> formula(12, "order"), formula(3, "sum")
-    ('T¹² Lₑ', 'Σ₀…₃ Tʲ Lₑ')
-    """
-    if pane == "order":
-        return f"T{str(order).translate(SUPERSCRIPTS)} Lₑ"
-    return f"Σ₀…{str(order).translate(SUBSCRIPTS)} Tʲ Lₑ"
-
-
-def mathtext(order: int, pane: Pane) -> str:
-    """The same for typesetting by matplotlib."""
-    if pane == "order":
-        return rf"$T^{{{order}}} L_e$"
-    return rf"$\sum_{{j=0}}^{{{order}}} T^j L_e$"
-
-
-def in_words(order: int) -> str:
-    """What an order of light is.
-
-    >>> in_words(1)
-    'direct light'
-    """
-    names = {0: "light the lamps emit", 1: "direct light", 2: "bounced twice"}
-    return names.get(order, f"bounced {order} times")
-
-
-def caption(series: Series, state: ViewState, pane: Pane) -> str:
-    """What to know about a pane beside its formula: exposure, factor, unit."""
-    if state.false_colour:
-        return "luminance of radiosity B, W/m²"
-    parts = []
-    if pane == "order" and not series.orders[state.order].any():
-        return "no light of this order"
-    if state.normalised and pane == "order":
-        parts.append(display.factor_text(float(series.own[state.order])))
-    if state.exposure:
-        parts.append(f"exposure {state.exposure:+.1f} EV".replace("-", "−"))
-    elif not parts:
-        parts.append("common exposure")
-    return " · ".join(parts)
 
 
 def start(series: Series, **settings: Any) -> ViewState:

@@ -30,7 +30,7 @@ def test_every_shortcut_beside_the_truth(window: Window, solution: rad.Solution)
         assert np.array_equal(window.panes["order"].flat.cell_data["rgb"], expected)
         assert window.titles["order"][0].actor.GetInput() == "WRONG"
         assert window.titles["order"][1].actor.GetInput() == shortcut.name
-        said = window.status.actor.GetInput()
+        said = window.dashboard.status.actor.GetInput()
         assert said.startswith(f"WRONG: {shortcut.name} · off by ")
         assert said.split("\n", 1)[1].replace("\n", " ") == shortcut.sentence
     window.press("x")
@@ -50,8 +50,8 @@ def test_difference_is_relative_to_the_truth(window: Window, solution: rad.Solut
     shown = window.panes["order"].flat.cell_data["rgb"]
     assert np.all(shown[ceiling] == display.DIVERGING[0])  # black instead of lit: 100 % too dark
     typical = np.sum(solution.patches.area * np.abs(off)) / solution.patches.area.sum()
-    assert f"off by {typical:.0%} on average" in window.status.actor.GetInput()
-    assert "blue: too dark" in window.status.actor.GetInput()
+    assert f"off by {typical:.0%} on average" in window.dashboard.status.actor.GetInput()
+    assert "blue: too dark" in window.dashboard.status.actor.GetInput()
 
 
 @pytest.mark.usefixtures("gl")

@@ -230,15 +230,15 @@ def test_picking_in_the_window(window: Window) -> None:
     assert window.state.picked == -1  # a drag turns the camera
     click(window, 600, 300)
     first = window.state.picked
-    assert window.status.actor.GetInput().startswith(f"patch {first} of ")
+    assert window.dashboard.status.actor.GetInput().startswith(f"patch {first} of ")
     assert np.mean(np.any(window.image() != before, axis=-1)) > 0.001
     click(window, 650, 200, ctrl=True)
     assert (window.state.picked, window.state.other) == (first, window.inspector.patch_at(650, 200))
-    assert "to patch" in window.status.actor.GetInput()
-    assert "by hemicubes" in window.status.actor.GetInput()
+    assert "to patch" in window.dashboard.status.actor.GetInput()
+    assert "by hemicubes" in window.dashboard.status.actor.GetInput()
     click(window, 405, 130)  # beside the room
     assert window.state.picked == -1
-    assert window.status.actor.GetInput().startswith("k = 3")
+    assert window.dashboard.status.actor.GetInput().startswith("k = 3")
 
 
 @pytest.mark.usefixtures("gl")
@@ -256,7 +256,7 @@ def test_the_left_pane_shows_factors_hemicube_and_matrix(window: Window) -> None
         assert np.mean(np.any(images[-1] != images[-2], axis=-1)) > 0.02, left
     assert np.array_equal(images[-1], images[0])
     window.press("g")
-    row = window.inspector.hemicube(window.state.picked).row(len(window.solution.patches))
+    row = window.model.hemicube(window.state.picked).row(len(window.solution.patches))
     assert np.array_equal(window.panes["order"].flat.cell_data["rgb"], factor_colours(row)[0])
     assert not window.bars["sum"].strip.actor.GetVisibility()
     assert window.bars["order"].strip.actor.GetVisibility()

@@ -8,12 +8,32 @@ import pytest
 import radiosity as rad
 from radiosity import display
 from radiosity.errors import ParameterError
-from radiosity.viewer.state import COMMANDS, EXPOSURES, Series, ViewState, caption, formula, mathtext, picture, start
+from radiosity.viewer.changes import Changes
+from radiosity.viewer.commands import COMMANDS, MOUSE
+from radiosity.viewer.dome import Dome
+from radiosity.viewer.model import Model
+from radiosity.viewer.state import EXPOSURES, Series, ViewState, caption, formula, mathtext, picture, start
 
 
 @pytest.fixture(scope="module")
 def series(solution: rad.Solution) -> Series:
     return Series.of(solution)
+
+
+@pytest.fixture(scope="module")
+def model(solution: rad.Solution, series: Series) -> Model:
+    return Model(solution, series)
+
+
+def a_state_in_which_every_key_does_something(model: Model) -> ViewState:
+    """A patch picked that came from another, whose ω_i sees something, with paint that was changed."""
+    floor = model.solution.patches.surface_names.index("floor")
+    patch = int(np.flatnonzero(model.solution.patches.surface == floor)[5])
+    dome = Dome(theta=60.0, azimuth=90.0, path=((3, 5),))
+    changes = Changes().painted("floor", 0.3).emitting("lamp", 10.0)
+    state = start(model.series, order=2, exposure=1.0, picked=patch, dome=dome, changes=changes)
+    assert model.ahead(state) >= 0
+    return state
 
 
 def test_series_holds_the_solution(solution: rad.Solution, series: Series) -> None:
@@ -48,18 +68,31 @@ def test_exposure_stays_within_the_slider(series: Series) -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.shown)
-def test_every_key_changes_one_thing_and_leaves_the_old_state_alone(series: Series, command) -> None:
-    before = start(series, order=2, exposure=1.0)
+def test_every_key_changes_one_thing_and_leaves_the_old_state_alone(model: Model, command) -> None:
+    before = a_state_in_which_every_key_does_something(model)
     copy = dataclasses.replace(before)
-    after = command.change(before)
+    after = command.change(before, model)
     assert before == copy
-    changed = [f.name for f in dataclasses.fields(ViewState) if getattr(before, f.name) != getattr(after, f.name)]
-    assert changed == ["order", "left"] if command.shown == "x" else len(changed) == 1
+    changed = {f.name for f in dataclasses.fields(ViewState) if getattr(before, f.name) != getattr(after, f.name)}
+    together = {
+        **{key: {"dome", "left"} for key in ("a", "k", "l", ",", ".", "<", ">")},
+        "x": {"order", "left"},
+        "m": {"tone", "mark_clipped"},
+        "j": {"picked", "dome"},
+        "u": {"picked", "dome", "order"},
+    }
+    assert changed == together[command.shown] if command.shown in together else len(changed) == 1
+
+
+def test_the_list_of_keys_is_whole() -> None:
+    shown = [command.shown for command in COMMANDS] + [action for action, _ in MOUSE]
+    assert len(set(shown)) == len(shown)
+    assert all(command.does for command in COMMANDS)
 
 
 def test_switches_turn_back(series: Series) -> None:
     state = start(series)
-    for name in ("normalised", "smooth", "wireframe", "backs", "playing", "help", "projector"):
+    for name in ("normalised", "smooth", "wireframe", "backs", "photometric", "playing", "help", "projector"):
         assert state.toggled(name) != state
         assert state.toggled(name).toggled(name) == state
     assert state.toned().tone == "linear"
@@ -74,7 +107,7 @@ def test_no_key_does_two_things() -> None:
 
 
 def test_unknown_settings_are_named(series: Series) -> None:
-    with pytest.raises(ParameterError, match=r"no setting colour; it has backs, difference, exposure"):
+    with pytest.raises(ParameterError, match=r"no setting colour; it has backs, changes, difference, dome, exposure"):
         start(series, colour="red")
     with pytest.raises(ParameterError, match="'aces' is unknown"):
         start(series, tone="aces")
@@ -138,3 +171,4 @@ def test_captions_name_the_exposure(series: Series) -> None:
     assert caption(series, start(series), "sum") == "common exposure"
     assert caption(series, start(series, exposure=-1.5), "sum") == "exposure −1.5 EV"
     assert caption(series, start(series, false_colour=True), "sum").endswith("W/m²")
+    assert caption(series, start(series, false_colour=True, photometric=True), "sum").endswith("lux")
