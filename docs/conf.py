@@ -38,3 +38,4 @@ html_show_sphinx = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
+numpydoc_validation_checks = {"GL08", "PR02"}  # no docstring; parameters described that do not exist

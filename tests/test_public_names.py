@@ -1,6 +1,9 @@
 """`import radiosity as rad` gives every public name, and loads nothing before it is used."""
 
+import dataclasses
 import inspect
+import itertools
+import re
 import subprocess
 import sys
 from types import ModuleType
@@ -32,6 +35,36 @@ def test_name_is_there_and_described(name: str) -> None:
         assert value.__name__ == name
         assert value.__module__.startswith("radiosity.")
         assert value.__doc__, f"rad.{name} has no docstring"
+
+
+@pytest.mark.parametrize("name", rad.__all__)
+def test_what_a_name_takes_is_described(name: str) -> None:
+    """Each parameter of a function, each field of a dataclass heads a paragraph of the docstring."""
+    value = getattr(rad, name)
+    if inspect.isfunction(value):
+        taken = [p.name for p in inspect.signature(value).parameters.values() if p.kind is not p.VAR_KEYWORD]
+    elif dataclasses.is_dataclass(value):
+        taken = [field.name for field in dataclasses.fields(value) if field.init and field.name.isidentifier()]
+        taken = [name for name in taken if not name.startswith("_")]
+    else:
+        return
+    lines = inspect.getdoc(value).splitlines()
+    flush = [(line, below) for line, below in itertools.pairwise([*lines, ""]) if not line.startswith(" ")]
+    heads = [line for line, below in flush if " : " in line or below.startswith("    ")]
+    described = {word for head in heads for word in re.findall(r"\w+", head.partition(" : ")[0])}
+    assert sorted(set(taken) - described) == []
+
+
+@pytest.mark.parametrize("name", rad.__all__)
+def test_what_an_object_can_do_is_described(name: str) -> None:
+    value = getattr(rad, name)
+    if inspect.isclass(value):
+        own = {
+            m: f
+            for m, f in vars(value).items()
+            if not m.startswith("_") and (inspect.isfunction(f) or isinstance(f, property))
+        }
+        assert [m for m, f in own.items() if not inspect.getdoc(f)] == []
 
 
 def test_a_name_that_does_not_exist_is_an_attribute_error() -> None:
