@@ -50,6 +50,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--repeats", type=arguments.count, metavar="N", help="times that each run is made (default: 3)")
     group.add_argument("--parts", nargs="+", choices=("methods", "bounces", "solvers"), help="(default: all)")
+    group.add_argument(
+        "--clock",
+        choices=("wall", "processor"),
+        default="wall",
+        help="seconds that pass, or those of all processors together: for a machine with other work (default: wall)",
+    )
     group.add_argument("--seed", type=arguments.natural, default=0, metavar="S", help="(default: 0)")
     group.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="(default: study_SCENE)")
     arguments.add_scene(parser)
@@ -109,6 +115,7 @@ def _settings(args: argparse.Namespace, name: str) -> Settings:
         settings,
         seed=args.seed,
         threads=args.threads,
+        clock=args.clock,
         repeats=args.repeats or settings.repeats,
         few=args.quick or family,
         parts=tuple(args.parts or (PARTS[:1] if family else PARTS)),

@@ -38,15 +38,18 @@ class Findings:
 
 def findings(study: Study) -> Findings:
     """Work out tables and sentences."""
-    rows = summary.method_rows(study.records)
+    records, bounces, solvers = (
+        summary.on_clock(study.ledger.of(part), study.settings.clock) for part in ("methods", "bounces", "solvers")
+    )
+    rows = summary.method_rows(records)
     growing = study.subjects[0].parameter != "patches"
     tables = {
         "methods": rows,
         "splits": summary.split_rows(study.subjects, study.references, rows),
-        "convergence": summary.convergence_rows(study.records),
-        "growth": summary.growth_rows(study.records) if len(study.subjects) > 1 else [],
-        "bounces": summary.bounce_rows(study.ledger.of("bounces")),
-        "solvers": summary.solver_rows(study.ledger.of("solvers")),
+        "convergence": summary.convergence_rows(records),
+        "growth": summary.growth_rows(records) if len(study.subjects) > 1 else [],
+        "bounces": summary.bounce_rows(bounces),
+        "solvers": summary.solver_rows(solvers),
         "checks": [check._asdict() for check in study.checks],
     }
     return Findings(study, tables, tuple(() if growing else fronts.sentences(rows)))
@@ -58,18 +61,19 @@ def figures(found: Findings) -> dict[str, Figure]:
 
     study, rows = found.study, found.tables["methods"]
     names = [subject.name for subject in study.subjects]
+    clock = plots.CLOCKS[study.settings.clock]
     made: dict[str, Figure | None] = {}
     if rows and found.growing:
-        made["growth"] = plots.growth(rows, study.subjects[0].parameter)
+        made["growth"] = plots.growth(rows, study.subjects[0].parameter, clock)
     if rows:
-        made["error_against_time"] = plots.error_against_time(rows, study.references, names)
+        made["error_against_time"] = plots.error_against_time(rows, study.references, names, clock)
         made["error_against_memory"] = plots.error_against_memory(rows)
         made["error_by_order"] = plots.error_by_order(rows, study.references[-1], names[-1])
         made["error_against_rays"] = plots.error_against_rays(rows, names)
     if found.tables["bounces"]:
         made["bounces"] = plots.bounces(found.tables["bounces"])
     if found.tables["solvers"]:
-        made["solvers"] = plots.solvers(found.tables["solvers"])
+        made["solvers"] = plots.solvers(found.tables["solvers"], clock)
     return {name: one for name, one in made.items() if one is not None}
 
 
@@ -110,7 +114,12 @@ def svg(made: Figure) -> str:
 
 def as_json(found: Findings) -> str:
     """Machine, sentences and tables."""
-    whole = {"origin": found.study.origin, "sentences": list(found.sentences), "tables": _plain(found.tables)}
+    whole = {
+        "origin": found.study.origin,
+        "clock": found.study.settings.clock,
+        "sentences": list(found.sentences),
+        "tables": _plain(found.tables),
+    }
     return json.dumps(whole, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 

@@ -18,6 +18,7 @@ from .summary import grouped
 
 INK, FAINT, FRONT = "#222222", "#CCCCCC", "#222222"
 MOST_PANELS = 3
+CLOCKS = {"wall": "seconds", "processor": "seconds of all processors together"}
 PER_CENT = FuncFormatter(lambda value, _: f"{100 * value:g} %")
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 SOLVERS = {
@@ -55,7 +56,9 @@ def log_axes(ax: Axes, x: str, y: str, per_cent: bool = True) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def error_against_time(rows: Sequence[Record], references: Sequence[Reference], names: Sequence[str]) -> Figure:
+def error_against_time(
+    rows: Sequence[Record], references: Sequence[Reference], names: Sequence[str], clock: str
+) -> Figure:
     """Total error over seconds, a panel for each of the last subjects, with the Pareto front."""
     shown = list(zip(names, references, strict=True))[-MOST_PANELS:]
     made, axes = figure(len(shown))
@@ -66,7 +69,7 @@ def error_against_time(rows: Sequence[Record], references: Sequence[Reference], 
         _level(ax, truth.discretisation, "of the patches' size", "--")
         _level(ax, max(truth.discrete_error, truth.continuous_error), "known to", ":")
         ax.set_title(name, fontsize=10)
-        log_axes(ax, "seconds, form factors and solving", "total error of B - E, relative L2")
+        log_axes(ax, f"{clock}, form factors and solving", "total error of B - E, relative L2")
     finish(made, axes)
     return made
 
@@ -143,11 +146,11 @@ def bounces(rows: Sequence[Record]) -> Figure:
     return made
 
 
-def solvers(rows: Sequence[Record]) -> Figure:
+def solvers(rows: Sequence[Record], clock: str) -> Figure:
     """Algebraic error of the solvers over seconds and over products, all on the same form factors."""
     made, axes = figure(2)
     for ax, x, title in zip(
-        axes, ("seconds", "products"), ("seconds", "products F x (shooting: N shots are one)"), strict=True
+        axes, ("seconds", "products"), (clock, "products F x (shooting: N shots are one)"), strict=True
     ):
         for (solver,), members in grouped(rows, ("solver",)).items():
             colour, marker = SOLVERS[solver]
@@ -163,7 +166,7 @@ def solvers(rows: Sequence[Record]) -> Figure:
     return made
 
 
-def growth(rows: Sequence[Record], parameter: str) -> Figure:
+def growth(rows: Sequence[Record], parameter: str, clock: str) -> Figure:
     """Error and seconds over the parameter of a family of scenes, the middle budget of each method."""
     made, axes = figure(2)
     for (family,), members in grouped(rows, ("family",)).items():
@@ -176,7 +179,7 @@ def growth(rows: Sequence[Record], parameter: str) -> Figure:
                 label = f"{look.title}, {middle[0]['budget']}"
                 ax.plot(*zip(*points, strict=True), color=look.colour, marker=look.marker, label=label, linewidth=1)
     log_axes(axes[0], parameter, "sampling error of B - E, relative L2")
-    log_axes(axes[1], parameter, "seconds, form factors and solving", per_cent=False)
+    log_axes(axes[1], parameter, f"{clock}, all in all", per_cent=False)
     finish(made, axes)
     return made
 

@@ -55,8 +55,10 @@ def _origin(found: Findings) -> str:
     settings = found.study.settings
     origin = {name: value for name, value in found.study.origin.items() if name != "title"}
     words = ", ".join(f"{name} {value}" for name, value in origin.items())
+    clock = {"wall": "that pass", "processor": "of all processors together"}[settings.clock]
     return (
-        f'<p class="note">{settings.repeats} runs of everything, in shuffled order, seeds {settings.seed} … '
+        f'<p class="note">Seconds are those {clock}. '
+        f"{settings.repeats} runs of everything, in shuffled order, seeds {settings.seed} … "
         f"{settings.seed + settings.repeats - 1}. {html.escape(words)}.</p>"
     )
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import radiosity as rad
 
@@ -45,6 +45,9 @@ class Settings:
         Of the references.
     parts : tuple of str
         Of `PARTS`.
+    clock : {"wall", "processor"}
+        What counts as time in tables and plots: seconds that pass, or those of all processors together, which tell more
+        on a machine with other work to do. Both are kept.
     """
 
     repeats: int = 3
@@ -53,6 +56,7 @@ class Settings:
     few: bool = False
     effort: Effort = field(default_factory=Effort)
     parts: tuple[str, ...] = PARTS
+    clock: Literal["wall", "processor"] = "wall"
 
     @classmethod
     def quick(cls, seed: int = 0, threads: int | None = None) -> Settings:

@@ -30,6 +30,13 @@ def grouped(records: Iterable[Record], names: Sequence[str]) -> dict[tuple[Any, 
     return dict(found)
 
 
+def on_clock(records: Iterable[Record], clock: str) -> list[Record]:
+    """Records whose "seconds" are those of a clock, "wall" or "processor"."""
+    if clock == "wall":
+        return list(records)
+    return [record | {"seconds": record["processor_seconds"]} if "seconds" in record else record for record in records]
+
+
 def method_rows(records: Iterable[Record]) -> list[Record]:
     """One row a subject, family and budget: medians, and the least and largest of seconds and errors."""
     rows = []
