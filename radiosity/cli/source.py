@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Literal
 
 import radiosity as rad
 
@@ -15,8 +16,8 @@ DEFAULT = "cornell_box"
 MESH = Path("meshes") / f"{DEFAULT}.glb"
 
 
-def scene(word: str, args: argparse.Namespace) -> rad.Scene:
-    """The scene that a word names, with the lamps and the sky of the command line.
+def scene(word: str, args: argparse.Namespace, contacts: Literal["cut", "keep"] | None = None) -> rad.Scene:
+    """The scene that a word names, with the lamps and the sky of the command line; `contacts` as for `read_scene`.
 
     Raises
     ------
@@ -33,8 +34,14 @@ def scene(word: str, args: argparse.Namespace) -> rad.Scene:
     if not Path(word).exists() and not Path(word).suffix:
         known = ", ".join(rad.scenes.BUILT_IN)
         raise rad.errors.MissingFileError(f"{word!r} is neither a file nor a built-in scene; there are {known}")
-    fix_normals = bool(args.fix_normals)
-    return rad.read_scene(word, unit=args.unit, lamps=lamps or None, sky=args.sky, fix_normals=fix_normals)
+    return rad.read_scene(
+        word,
+        unit=args.unit,
+        lamps=lamps or None,
+        sky=args.sky,
+        contacts=contacts,
+        fix_normals=bool(args.fix_normals),
+    )
 
 
 def _lit(scene: rad.Scene, lamps: Mapping[str, list[float]], sky: list[float] | None) -> rad.Scene:

@@ -18,17 +18,24 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 TOUCH = 2e-7  # of the diagonal: nearer faces touch, as far as the float32 of mesh files can say
+TOUCH_LAMP = 1e-9  # the same where one of them is a lamp, which would lose its light: as `form_factors.gaps` has it
 CUT = "cut what is covered away (rad.remove_contacts, rad.read_scene(…, contacts='cut')), or leave a gap"
 
 # Kind, severity, what two surfaces do, and what to do about it.
-SAME, TOUCHING, GAP, BACKS = range(4)
+SAME, TOUCHING, GAP, LAMP_GAP, BACKS = range(5)
 WORDS = {
     SAME: ("coincident surfaces", Severity.WARNING, "lie in one place and face the same way", CUT),
     TOUCHING: ("touching surfaces", Severity.WARNING, "lie in one place and face opposite ways", CUT),
     GAP: (
         "narrow gap",
-        Severity.ERROR,
+        Severity.WARNING,
         "face each other across a gap that rays cannot resolve",
+        "widen it or close it; where nothing else stands in the way, rad.Analytic() is exact",
+    ),
+    LAMP_GAP: (
+        "narrow gap",
+        Severity.ERROR,
+        "face each other, one of them a lamp, across a gap that rays cannot resolve",
         "widen it or close it; where nothing else stands in the way, rad.Analytic() is exact",
     ),
     BACKS: (
@@ -49,8 +56,10 @@ def coincident(mesh: Mesh) -> Iterator[Finding]:
     if not len(pairs.area):
         return
     gap = gaps(corners, pairs)
-    two_sided = np.array([part.material.two_sided for part in mesh.scene.surfaces])[surface]
-    kind = _kinds(pairs, gap, two_sided, mesh.size)
+    materials = [part.material for part in mesh.scene.surfaces]
+    two_sided = np.array([material.two_sided for material in materials])[surface]
+    lamp = np.array([bool(material.emission.any()) for material in materials])[surface]
+    kind = _kinds(pairs, gap / mesh.size, two_sided, lamp)
     whole = np.bincount(surface, np.linalg.norm(triangle_vector_areas(corners), axis=1))
     owners = np.sort(surface[np.column_stack([pairs.first, pairs.second])], axis=1)
     groups, place = np.unique(np.column_stack([owners, kind]), axis=0, return_inverse=True)
@@ -68,13 +77,14 @@ def coincident(mesh: Mesh) -> Iterator[Finding]:
             yield _found(mesh, (a, b, k), count, float(area[g]), width, places)
 
 
-def _kinds(pairs: CoplanarPairs, gap: FloatArray, two_sided: BoolArray, size: float) -> IntArray:
-    """How the faces of each pair lie to each other (P,)."""
+def _kinds(pairs: CoplanarPairs, gap: FloatArray, two_sided: BoolArray, lamp: BoolArray) -> IntArray:
+    """How the faces of each pair lie to each other (P,), from the gaps between them in diagonals."""
     first_sees = (gap > 0) | two_sided[pairs.first]
     second_sees = ((gap > 0) ^ pairs.alike) | two_sided[pairs.second]
-    apart = np.abs(gap) > TOUCH * size
+    lit = lamp[pairs.first] | lamp[pairs.second]
+    apart = np.abs(gap) > np.where(lit, TOUCH_LAMP, TOUCH)
     kind = np.where(pairs.alike, SAME, np.where(apart, BACKS, TOUCHING))
-    return np.where(apart & first_sees & second_sees, GAP, kind)
+    return np.where(apart & first_sees & second_sees, np.where(lit, LAMP_GAP, GAP), kind)
 
 
 def gaps(corners: FloatArray, pairs: CoplanarPairs) -> FloatArray:
@@ -99,5 +109,9 @@ def _found(
     surfaces = mesh.scene.surfaces
     owners: tuple[str, ...] = (surfaces[a].name,) if a == b else (surfaces[a].name, surfaces[b].name)
     who = f"faces of {owners[0]!r}" if a == b else f"{owners[0]!r} and {owners[1]!r}"
-    size = f", {width:.2g} m wide, {width / mesh.size:.1g} of the scene (rays resolve {DEPTH:g})" if k == GAP else ""
+    size = (
+        f", {width:.2g} m wide, {width / mesh.size:.1g} of the scene (rays resolve {DEPTH:g})"
+        if k in (GAP, LAMP_GAP)
+        else ""
+    )
     return Finding(kind, severity, owners, count, f"{who} {what}{size}, over {area:.3g} m²", remedy, places)

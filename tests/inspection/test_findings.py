@@ -80,9 +80,17 @@ CASES = {
             "3e-06 m wide, 2e-06 of the scene (rays",
         ),
     ),
+    "a lamp touches the floor but for rounding": (
+        scene(FLOOR, ("lid", *plate(1e-8))),
+        ("narrow gap", Severity.ERROR, ("floor", "lid"), 2, None, "one of them a lamp"),
+    ),
+    "a box touches the floor but for rounding": (
+        scene(("floor", SQUARE, [[0, 1, 2, 3]]), ("lid", *plate(1e-8))),
+        ("touching surfaces", Severity.WARNING, ("floor", "lid"), 2, None, "face opposite ways, over 1 m²"),
+    ),
     "a sheet above the floor": (
-        scene(FLOOR, ("sheet", *plate(3e-6, [[0, 1, 2, 3]]), SHEET)),
-        ("narrow gap", Severity.ERROR, ("floor", "sheet"), 2, None, "cannot resolve"),
+        scene(("floor", SQUARE, [[0, 1, 2, 3]]), ("sheet", *plate(3e-6, [[0, 1, 2, 3]]), SHEET)),
+        ("narrow gap", Severity.WARNING, ("floor", "sheet"), 2, None, "cannot resolve"),
     ),
     "two rooms without a wall": (
         scene(("below", *plate(-3e-6)), ("above", SQUARE, [[0, 1, 2, 3]])),
@@ -176,6 +184,8 @@ def test_nothing_else_is_said(name):
     related = {
         "one wall of a cube turned": set(),
         "a gap of a hair": {"cracks"},
+        "a lamp touches the floor but for rounding": {"cracks"},
+        "a box touches the floor but for rounding": {"cracks"},
         "a sheet above the floor": {"cracks"},
         "two rooms without a wall": {"cracks"},
         "a sliver": set(),
@@ -218,3 +228,16 @@ def test_a_large_mesh_with_holes_is_reported_in_few_places():
     (found,) = [one for one in findings(scene(("hills", points, faces[keep], LAMP))) if one.kind == "open edges"]
     assert found.count > 5_000
     assert len(found.places) == 200
+
+
+@pytest.mark.parametrize("gap", [0.0, 5e-10, 5e-9, 5e-7, 5e-6, 5e-5])
+def test_an_error_is_what_a_solve_refuses(gap):
+    """A lid over a lamp, ever closer: the finding and the solve agree about it."""
+    made = scene(FLOOR, ("lid", *plate(gap)))
+    wrong = [one for one in findings(made) if one.severity is Severity.ERROR]
+    if wrong:
+        with pytest.raises(rad.errors.GeometryError, match="nearer than"):
+            rad.form_factors(rad.subdivide(made), rad.MonteCarlo(rays=16))
+    else:
+        rad.form_factors(rad.subdivide(made), rad.MonteCarlo(rays=16))
+    assert bool(wrong) == (1e-9 < gap < 1e-5)
