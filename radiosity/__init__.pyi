@@ -21,6 +21,7 @@ from .form_factors import Analytic as Analytic
 from .form_factors import FormFactors as FormFactors
 from .form_factors import Hemicube as Hemicube
 from .form_factors import MonteCarlo as MonteCarlo
+from .form_factors import TwoLevel as TwoLevel
 from .form_factors import form_factors as form_factors
 from .form_factors.surfaces import SurfaceFactors as SurfaceFactors
 from .patches import Patches as Patches

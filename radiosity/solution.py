@@ -277,7 +277,7 @@ def _scene_line(patches: Patches) -> str:
 
 
 def _factor_line(factors: FormFactors) -> str:
-    entries, count = factors.matrix.nnz, len(factors)
+    entries, count = factors.non_zeros, len(factors)
     return f"form factors by {factors.estimator}: {entries:,} non-zeros ({entries / count**2:.2%})"
 
 

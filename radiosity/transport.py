@@ -24,6 +24,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from .errors import FormFactorError, MaterialError, SolverError
 from .form_factors.factors import FormFactors, check_matrix, check_shares
+from .form_factors.levels import TwoLevelFactors
 from .form_factors.on_demand import RowsOnDemand
 from .sparse import csr_differences
 
@@ -217,7 +218,7 @@ class TransportOperator:
 
     def net_exchange(self, light: FloatArray, beside: FloatArray | None = None) -> FloatArray:
         """Σ_j F_ij [(X_i - X_j) + Y_j] for X = `light` and Y = `beside` (0 if not given), same shape."""
-        if isinstance(self.factors, RowsOnDemand):
+        if isinstance(self.factors, RowsOnDemand | TwoLevelFactors):
             return self.factors.net_exchange(light, beside)
         return csr_differences(self.factors.matrix, light, beside, self.threads)
 
@@ -270,6 +271,9 @@ class TransportOperator:
 
     def _back(self, rho: FloatArray) -> Any:
         """Product with Tᵀ = Fᵀ ρ."""
+        if isinstance(self.factors, TwoLevelFactors):
+            scatter = self.factors.scatter
+            return lambda x: scatter(_like(rho, x) * x)
         return lambda x: self.factors.matrix.T @ (_like(rho, x) * x)
 
 
@@ -330,13 +334,20 @@ def _to_outside(factors: FormFactors | RowsOnDemand) -> FloatArray:
         raise FormFactorError("areas must be positive and finite")
     if isinstance(factors, RowsOnDemand):  # each row is checked when it is computed
         return factors.to_sky + factors.to_backs
+    if isinstance(factors, TwoLevelFactors):
+        return _outside_or_refused(factors, factors.rounding)
     weights = factors.matrix.data
     if weights.size and not weights.min() >= 0.0:
         check_matrix(factors.matrix, factors.area)
+    return _outside_or_refused(factors, max(float(np.finfo(weights.dtype).eps), 1e-12))
+
+
+def _outside_or_refused(factors: FormFactors, rounding: float) -> FloatArray:
+    """`_to_outside` of rows that close but for rounding, or add up to less than one."""
     defect = factors.closure_defect
-    rounding = max(float(np.finfo(weights.dtype).eps), 1e-12)
     if not np.all(np.abs(defect) <= rounding):
-        check_matrix(factors.matrix, factors.area)
+        if not isinstance(factors, TwoLevelFactors):
+            check_matrix(factors.matrix, factors.area)
         check_shares(1.0 - defect - factors.to_sky - factors.to_backs, factors.to_sky, factors.to_backs)
     return factors.to_sky + factors.to_backs + np.where(np.abs(defect) <= rounding, 0.0, defect)
 

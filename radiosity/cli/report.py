@@ -47,7 +47,7 @@ def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
     from ..solution import seconds
 
     patches, factors, certificate = solution.patches, solution.factors, solution.certificate
-    entries = factors.matrix.nnz
+    entries = factors.non_zeros
     kind = "closed" if patches.closed else "open"
     expected = certificate.reciprocity_expected
     beside = "" if expected is None else f" ({expected:.2g} expected of raw factors)"
@@ -89,8 +89,7 @@ def _defect(certificate: Any) -> str:
 
 
 def _bytes(factors: Any) -> str:
-    matrix = factors.matrix
-    return f"{(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes) / 1e6:.1f} MB"
+    return f"{factors.nbytes / 1e6:.1f} MB"
 
 
 def _bounces(power: Any) -> Table:

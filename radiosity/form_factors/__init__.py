@@ -5,5 +5,6 @@ from .estimate import form_factors
 from .factors import FormFactors
 from .hemicube import Hemicube
 from .monte_carlo import MonteCarlo
+from .two_level import TwoLevel
 
-__all__ = ["Analytic", "FormFactors", "Hemicube", "MonteCarlo", "form_factors"]
+__all__ = ["Analytic", "FormFactors", "Hemicube", "MonteCarlo", "TwoLevel", "form_factors"]

@@ -26,7 +26,7 @@ from ..rays import Tracer
 from ..sparse import csr_differences, csr_matmul
 from .assembly import Float, Rows, stack_rows
 from .cost import predict
-from .estimate import without_leaks
+from .shares import without_leaks
 from .identity import fingerprint
 from .monte_carlo import MonteCarlo
 from .on_demand import RowsOnDemand

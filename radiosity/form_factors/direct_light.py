@@ -170,6 +170,11 @@ class DirectLight:
         merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.columns, *entries)
         return RowBlock(block.begin, *merged)._replace(shadow_rays=traced)
 
+    def entries(self, begin: int, end: int) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
+        """Rows begin … end of emitters' columns by shadow rays alone: lengths, indices, weights; and how many rays."""
+        none = _Counted(np.zeros(end - begin, np.int64), np.empty(0, np.int32), np.empty(0, np.int32))
+        return self._entries(begin, none)
+
     def _entries(self, begin: int, counted: _Counted) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
         """Emitters' columns of the rows from `begin`: lengths, indices, weights. And how many shadow rays it took."""
         end = begin + len(counted.lengths)

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..executors import Crew
@@ -26,16 +25,16 @@ from .gaps import check_gaps
 from .hemicube import Hemicube
 from .identity import fingerprint
 from .monte_carlo import MonteCarlo
+from .shares import without_leaks
+from .two_level import TwoLevel
 from .workers import RowsToMake
 
-ALL = 1.0 - 1e-6  # of a row that goes to the sky
-FloatArray = NDArray[np.float64]
-Estimator = MonteCarlo | Hemicube | Analytic
+Estimator = MonteCarlo | Hemicube | Analytic  # of rows, one by one
 
 
 def form_factors(
     patches: Patches,
-    estimator: Estimator | None = None,
+    estimator: Estimator | TwoLevel | None = None,
     *,
     dtype: Any = np.float32,
     threads: int | None = None,
@@ -49,7 +48,7 @@ def form_factors(
     Parameters
     ----------
     patches : Patches
-    estimator : MonteCarlo, Hemicube or Analytic, optional
+    estimator : MonteCarlo, Hemicube, Analytic or TwoLevel, optional
         ``MonteCarlo()`` by default.
     dtype : float32 or float64, optional
         Of the weights. A row of float32 weights adds up to 1 within about 1e-7.
@@ -101,11 +100,17 @@ def form_factors(
     if executor is not None:
         Crew(executor)
     estimator = MonteCarlo() if estimator is None else estimator
+    if isinstance(estimator, TwoLevel) and (executor is not None or checkpoint is not None):
+        raise ParameterError("two levels are made by threads at once: leave executor and checkpoint out, or MonteCarlo()")
     if not isinstance(estimator, Analytic):
         check_gaps(patches)
     begin = time.perf_counter()
     tracer = Tracer(patches.grid)
     built = time.perf_counter()
+    if isinstance(estimator, TwoLevel):
+        levels = estimator.factors(patches, tracer, kind, threads, memory_limit, progress or quiet)
+        levels.statistics["seconds/ray tree"] = built - begin
+        return levels
     makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
     check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
     key = fingerprint(patches, estimator, kind) if executor is not None or checkpoint is not None else ""
@@ -173,15 +178,6 @@ def _factors(
         replicates,
         rows.exact_columns,
     )
-
-
-def without_leaks(to_sky: FloatArray, patches: Patches) -> tuple[FloatArray, float]:
-    """Shares that truly go to the sky (N,), and the mean of what has leaked.
-
-    Rays that leave a closed scene have leaked, but for those of patches that see nothing else: outside.
-    """
-    inside = to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
-    return np.where(inside, 0.0, to_sky), float(np.mean(np.where(inside, to_sky, 0.0)))
 
 
 def _counters(factors: FormFactors, estimator: Estimator, patches: Patches) -> dict[str, float]:

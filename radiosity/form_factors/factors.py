@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .surfaces import SurfaceFactors
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 ROW_SUM_TOLERANCE = 1e-6  # float32 weights of one row add up to this near
 
@@ -113,6 +114,22 @@ class FormFactors:
     def __len__(self) -> int:
         """Number of patches N."""
         return len(self.area)
+
+    @property
+    def non_zeros(self) -> int:
+        """Entries stored."""
+        return int(self.matrix.nnz)
+
+    @property
+    def terms(self) -> IntArray:
+        """How many numbers add up to the arriving light of each patch, (N,)."""
+        return np.diff(self.matrix.indptr).astype(np.int64)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the matrix."""
+        matrix = self.matrix
+        return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)
 
     def gather(self, light: NDArray[Any], threads: int | None = None) -> FloatArray:
         """Irradiance F B that light B brings to each patch.

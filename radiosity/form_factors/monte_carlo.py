@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numba
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..patches import Patches
-from ..rays import Tracer, patch_points
+from ..rays import FaceTable, Tracer, patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
 from .assembly import RowBlock, RowMaker, count_hits
 from .direct_light import DirectLight, worthwhile_emitters
@@ -118,71 +118,77 @@ class _BlockOfRows:
 
     def __call__(self, span: tuple[int, int]) -> RowBlock:
         begin, end = span
-        origins = np.empty(((end - begin) * self.rays, 3), dtype=np.float32)
-        directions = np.empty_like(origins)
         grid = self.patches.grid
-        cosine_rays(
-            self.tracer.table,
-            self.patches.face,
-            self.patches.side,
-            grid.front,
-            grid.back,
-            begin,
-            end,
-            self.rays,
-            self.points,
-            self.run,
-            origins,
-            directions,
-        )
+        places = Places(self.tracer.table, self.patches.face, self.patches.side, grid.front, grid.back)
+        origins, directions = cosine_rays(places, np.arange(begin, end), self.rays, self.points, self.run)
         rows = RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
         return rows if self.direct is None else self.direct.put_into(rows, self.rays)
 
 
-def cosine_rays(table, face, side, front, back, begin, end, rays, points, run, origins, directions):  # type: ignore[no-untyped-def]
-    """Fill origins and directions ((end - begin) × rays, 3) of the patches begin … end.
+class Places(NamedTuple):
+    """Where patches are, for the kernels: their face and side (N,), and the first patch of each face's sides (F,)."""
+
+    table: FaceTable
+    face: NDArray[np.int32]
+    side: NDArray[np.int8]
+    front: NDArray[np.int32]
+    back: NDArray[np.int32]
+
+
+def cosine_rays(
+    places: Places, patch: NDArray[np.int64], rays: int, points: NDArray[np.uint32], run: np.uint64
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Origins and directions (len(patch) × rays, 3) of rays from some patches, in unit coordinates.
 
     With `points` (4, rays) uint32, each patch shifts them by a key of (run, patch); without, numbers are hashed
     from (run, patch, ray). One kernel a step, not one for all: the compiler then sees loops that it can run eight at
     once.
     """
+    origins = np.empty((len(patch) * rays, 3), dtype=np.float32)
+    directions = np.empty_like(origins)
     samples = np.empty((4, len(origins)))
-    _samples(begin, end, rays, points, run, samples)
-    _origins(table, face, side, front, back, begin, end, rays, samples, origins)
-    _directions(table, face, side, begin, end, rays, samples, directions)
+    ray_samples(patch, rays, points, run, samples)
+    ray_origins(places, patch, rays, samples, origins)
+    ray_directions(places, patch, rays, samples, directions)
+    return origins, directions
 
 
 @numba.njit(nogil=True, cache=True)
-def _samples(begin, end, rays, points, run, out):  # type: ignore[no-untyped-def]
-    for i in range(begin, end):
-        first = (i - begin) * rays
-        patch = key(np.uint64(run), np.uint64(i))
+def ray_samples(patch, rays, points, run, out):  # type: ignore[no-untyped-def]
+    """Write to out (4, len(patch) × rays) the numbers in [0, 1) of each ray, see `cosine_rays`."""
+    for n in range(patch.shape[0]):
+        first = n * rays
+        own = key(np.uint64(run), np.uint64(patch[n]))
         if points.shape[1] > 0:
             for d in range(4):
-                shift = high_bits(key(patch, d))
+                shift = high_bits(key(own, d))
                 for r in range(rays):
                     out[d, first + r] = (points[d, r] ^ shift) * BITS_TO_UNIT
         else:
             for r in range(rays):
-                ray = key(patch, r + 4)
+                ray = key(own, r + 4)
                 for d in range(4):
                     out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
 
 
 @numba.njit(nogil=True, cache=True)
-def _origins(table, face, side, front, back, begin, end, rays, samples, out):  # type: ignore[no-untyped-def]
-    for i in range(begin, end):
-        here = slice((i - begin) * rays, (i - begin + 1) * rays)
-        up = np.float64(side[i])
-        cell = i - (front[face[i]] if up > 0 else back[face[i]])
-        patch_points(table, face[i], cell, up, samples[0, here], samples[1, here], out[here])
+def ray_origins(places, patch, rays, samples, out):  # type: ignore[no-untyped-def]
+    """Write to out (len(patch) × rays, 3) points on some patches, lifted, at samples[0], samples[1] in [0, 1)."""
+    for n in range(patch.shape[0]):
+        here = slice(n * rays, (n + 1) * rays)
+        i = patch[n]
+        f, up = places.face[i], np.float64(places.side[i])
+        cell = i - (places.front[f] if up > 0 else places.back[f])
+        patch_points(places.table, f, cell, up, samples[0, here], samples[1, here], out[here])
 
 
 @numba.njit(nogil=True, cache=True)
-def _directions(table, face, side, begin, end, rays, samples, out):  # type: ignore[no-untyped-def]
-    for i in range(begin, end):
-        here = slice((i - begin) * rays, (i - begin + 1) * rays)
-        f, up = face[i], np.float64(side[i])
+def ray_directions(places, patch, rays, samples, out):  # type: ignore[no-untyped-def]
+    """Write to out (len(patch) × rays, 3) cosine-distributed directions, at samples[2], samples[3] in [0, 1)."""
+    for n in range(patch.shape[0]):
+        here = slice(n * rays, (n + 1) * rays)
+        f, up = places.face[patch[n]], np.float64(places.side[patch[n]])
+        table = places.table
         cosine_directions(table.tangent[f], table.normal[f], up, samples[2, here], samples[3, here], out[here])
 
 

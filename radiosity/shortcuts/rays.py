@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, vstack
 
 from ..errors import ParameterError
-from ..form_factors.monte_carlo import BATCH, cosine_rays
+from ..form_factors.monte_carlo import BATCH, Places, cosine_rays
 from ..parallel import blocks, ordered_map
 from ..patches import Grid, Patches
 from ..rays import MISS, OFFSET, Tracer
@@ -90,10 +90,8 @@ class Sender:
     def __call__(self, begin: int, end: int) -> Bundle:
         """The rays of patches begin … end, patch by patch."""
         patches, grid = self.patches, self.patches.grid
-        origins = np.empty(((end - begin) * self.rays, 3), dtype=np.float32)
-        directions = np.empty_like(origins)
-        places = (patches.face, patches.side, grid.front, grid.back, begin, end)
-        cosine_rays(self.tracer.table, *places, self.rays, self.points, self.run, origins, directions)
+        places = Places(self.tracer.table, patches.face, patches.side, grid.front, grid.back)
+        origins, directions = cosine_rays(places, np.arange(begin, end), self.rays, self.points, self.run)
         return Bundle(origins, directions, np.repeat(np.arange(begin, end), self.rays))
 
 

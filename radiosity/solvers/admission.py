@@ -11,7 +11,9 @@ from scipy.sparse import csr_array
 
 from ..errors import NoSteadyState, SolverError
 from ..form_factors.factors import FormFactors
+from ..form_factors.levels import TwoLevelFactors
 from ..form_factors.on_demand import RowsOnDemand
+from ..parallel import blocks
 from ..transport import TransportOperator
 
 FloatArray = NDArray[np.float64]
@@ -20,6 +22,7 @@ IntArray = NDArray[np.int64]
 
 OVERFLOW = 1e300
 COLLATZ_PASSES = 200
+BLOCK_ROWS = 1 << 16
 
 _components: WeakKeyDictionary[FormFactors, IntArray] = WeakKeyDictionary()
 
@@ -33,10 +36,37 @@ def connected_components(factors: FormFactors | RowsOnDemand) -> IntArray:
         return np.zeros(len(factors), dtype=np.int64)
     labels = _components.get(factors)
     if labels is None:
-        matrix = factors.matrix
-        labels = _union(matrix.indptr, matrix.indices, matrix.data)
+        if isinstance(factors, TwoLevelFactors):
+            labels = _components_of_levels(factors)
+        else:
+            matrix = factors.matrix
+            labels = _union(matrix.indptr, matrix.indices, matrix.data)
         _components[factors] = labels
     return labels
+
+
+def _components_of_levels(factors: TwoLevelFactors) -> IntArray:
+    """Enclosures of patches (N,): of senders and receivers, joined where a patch is both or takes from several."""
+    levels, receivers = factors.levels, factors.levels.receivers
+    exchange, spread = levels.exchange, levels.spread
+    count = receivers + len(levels.emits)
+    pointers = np.append(exchange.indptr, np.full(len(levels.emits), exchange.nnz, dtype=exchange.indptr.dtype))
+    label = _union(pointers, exchange.indices + receivers, exchange.data)
+    found = int(label.max(initial=0)) + 1
+    if found > 1:
+        joined = csr_array((found, found))
+        for begin, end in blocks(len(factors), BLOCK_ROWS):
+            entries = slice(spread.indptr[begin], spread.indptr[end])
+            sender = label[receivers + levels.sender[begin:end]]
+            here = np.repeat(sender, np.diff(spread.indptr[begin : end + 1]))
+            there = label[spread.indices[entries]]
+            joined = joined + csr_array((np.ones(len(here)), (here, there)), shape=(found, found))
+        label = _union(joined.indptr, joined.indices, joined.data)[label]
+    assert len(label) == count
+    first, number = np.unique(label[receivers + levels.sender], return_index=True, return_inverse=True)[1:]
+    order = np.empty(len(first), dtype=np.int64)
+    order[np.argsort(first)] = np.arange(len(first))
+    return order[number.ravel()]
 
 
 @numba.njit(nogil=True, cache=True)
@@ -87,6 +117,8 @@ def without_end(T: TransportOperator, channel: int) -> BoolArray:
     losing = row_excess(T)[:, channel] > 0
     if losing.all():
         return ~losing
+    if isinstance(T.factors, TwoLevelFactors):
+        return _without_end_by_products(T.factors, losing)
     matrix = T.factors.matrix
     pattern = csr_array((matrix.data > 0, matrix.indices, matrix.indptr), shape=matrix.shape).astype(np.float32)
     while True:
@@ -95,6 +127,15 @@ def without_end(T: TransportOperator, channel: int) -> BoolArray:
         if not reached.any():
             return ~losing
         losing[rest[reached]] = True
+
+
+def _without_end_by_products(factors: TwoLevelFactors, losing: BoolArray) -> BoolArray:
+    """`without_end`, from the patches that lose light at once: whoever sends them some loses it, too."""
+    while True:
+        reached = ~losing & (factors.gather(losing.astype(np.float64)) > 0)
+        if not reached.any():
+            return ~losing
+        losing = losing | reached
 
 
 def check_steady(T: TransportOperator, source: FloatArray) -> list[str]:

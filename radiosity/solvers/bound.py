@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import gmres
 
 from ..errors import SolverError
+from ..form_factors.levels import TwoLevelFactors
 from ..parallel import ordered_map
 from ..sparse import row_blocks
 from ..transport import TransportOperator
@@ -89,6 +90,8 @@ def error_bound(T: TransportOperator, source: FloatArray, radiosity: FloatArray,
         correction, w, products = _by_bounces(T, residual, floor, lit)
     elif T.shape[0] <= SMALL:
         correction, w, products = _eliminate(T, residual), _eliminate(T, lit), 2
+    elif isinstance(T.factors, TwoLevelFactors):
+        correction, w, products = _by_krylov(T, residual, lit)
     elif find_rooms(T.stored_factors).asymmetry <= ASYMMETRY:
         correction, w, products = _by_conjugate_gradients(T, residual, floor, lit)
     else:
@@ -194,14 +197,16 @@ def _by_krylov(T: TransportOperator, residual: FloatArray, lit: FloatArray) -> t
 
 def _rounding(T: TransportOperator, light: FloatArray, source: FloatArray) -> FloatArray:
     """Bound on the rounding of a residual, term by term: sums of n numbers are right to n ε Σ|·|."""
-    per_row = np.diff(T.factors.matrix.indptr)[:, None] + 8.0
+    per_row = T.stored_factors.terms[:, None] + 8.0
     outside = np.abs(T.to_outside)[:, None]
     exchanged = T.reflectance * (_absolute_exchange(T, light) + outside * np.abs(light))
     return EPS * (per_row * exchanged + 4.0 * (T.absorptance * np.abs(light) + np.abs(source)))
 
 
 def _absolute_exchange(T: TransportOperator, light: FloatArray) -> FloatArray:
-    """Σ_j F_ij |B_i - B_j|, (N, C)."""
+    """Σ_j F_ij |B_i - B_j|, (N, C); on two levels no less than that."""
+    if isinstance(T.factors, TwoLevelFactors):
+        return np.abs(light) + T.factors.gather(np.abs(light), T.threads)
     matrix, out = T.factors.matrix, np.zeros_like(light)
     flat = np.ascontiguousarray(light)
 

@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 import radiosity as rad
-from radiosity.form_factors.monte_carlo import BATCH, MonteCarlo, cosine_rays
+from radiosity.form_factors.monte_carlo import BATCH, MonteCarlo, Places, cosine_rays
 from radiosity.parallel import blocks, ordered_map
 from radiosity.rays import Tracer
 from radiosity.sequences import seed_key, sobol_points
@@ -31,25 +31,9 @@ def some_rays(patches, tracer, method):
     spans = blocks(len(patches), max(1, BATCH // method.rays))
     every = -(-len(patches) * method.rays // MOST_RAYS)
     batches = []
+    places = Places(tracer.table, patches.face, patches.side, grid.front, grid.back)
     for begin, end in spans[::every]:
-        origins = np.empty(((end - begin) * method.rays, 3), np.float32)
-        directions = np.empty_like(origins)
-        front, back = grid.front, grid.back
-        cosine_rays(
-            tracer.table,
-            patches.face,
-            patches.side,
-            front,
-            back,
-            begin,
-            end,
-            method.rays,
-            points,
-            run,
-            origins,
-            directions,
-        )
-        batches.append((origins, directions))
+        batches.append(cosine_rays(places, np.arange(begin, end), method.rays, points, run))
     return batches
 
 

@@ -162,11 +162,8 @@ def test_a_wrong_cosine_is_seen():
 def one_row(block, patches, bend):
     """Row 0 with the cosine of every direction passed through `bend`."""
     grid, rays = patches.grid, block.rays
-    origins, directions = np.empty((rays, 3), np.float32), np.empty((rays, 3), np.float32)
-    table, shift = block.tracer.table, block.run
-    monte_carlo.cosine_rays(
-        table, patches.face, patches.side, grid.front, grid.back, 0, 1, rays, block.points, shift, origins, directions
-    )
+    places = monte_carlo.Places(block.tracer.table, patches.face, patches.side, grid.front, grid.back)
+    origins, directions = monte_carlo.cosine_rays(places, np.arange(1), rays, block.points, block.run)
     normal = patches.normal[0]
     z = directions @ normal
     flat = directions - z[:, None] * normal
