@@ -168,12 +168,13 @@ class Solution:
             sky=sky,
         )
         patches = relit_patches(self.patches, scene, emission=emission, reflectance=reflectance)
-        result = run(self.solver, TransportOperator(self.factors, patches), patches, self.bounces)
-        statistics = {**self.factors.statistics, **result.statistics}
+        factors = self.factors.lit_by(patches)
+        result = run(self.solver, TransportOperator(factors, patches), patches, self.bounces)
+        statistics = {**factors.statistics, **result.statistics}
         return Solution(
             scene,
             patches,
-            self.factors,
+            factors,
             result,
             self.solver,
             self.bounces,

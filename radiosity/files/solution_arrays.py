@@ -11,18 +11,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from ..errors import FileFormatError
 from ..faces import Faces
 from ..form_factors import FormFactors
 from ..form_factors.factors import check_matrix, check_shares, row_sums
+from ..form_factors.levels import TwoLevelFactors
 from ..patches import Grid, Patches
 from . import checked
 from .checked import JSON
-from .npz import Archive
-
-Arrays = dict[str, NDArray[Any]]
+from .level_arrays import levels_from_arrays, levels_to_arrays
+from .matrix_arrays import Reader, matrix_from_arrays, matrix_to_arrays, within
 
 # Name → type and shape. Letters stand for lengths that have to agree: N patches, V vertices, C channels, F faces.
 FACES = {
@@ -49,34 +48,6 @@ PATCHES = {
     "side": ("|i1", "N"),
 }
 RESULT = {"radiosity": ("<f8", "NC"), "orders": ("<f8", "KNC"), "history": ("<f8", "SC")}
-
-
-class Reader:
-    """Takes arrays out of an archive and holds their lengths against each other."""
-
-    def __init__(self, archive: Archive) -> None:
-        self.archive = archive
-        self.lengths: dict[str, int] = {}
-
-    def take(self, name: str, dtype: str | tuple[str, ...], shape: str) -> NDArray[Any]:
-        """An array of the expected type and shape, all of it finite."""
-        array = self.archive.array(name)
-        kinds = (dtype,) if isinstance(dtype, str) else dtype
-        if array.dtype.str not in kinds:
-            raise FileFormatError(f"{name} is of type {array.dtype.str}; expected {' or '.join(kinds)}")
-        if array.ndim != len(shape):
-            raise FileFormatError(f"{name} has shape {array.shape}; expected {len(shape)} axes")
-        for length, letter in zip(array.shape, shape, strict=True):
-            wanted = int(letter) if letter.isdigit() else self.lengths.setdefault(letter, length)
-            if length != wanted:
-                raise FileFormatError(f"{name} has shape {array.shape}; an axis should be {wanted} long, as elsewhere")
-        if array.dtype.kind == "f" and not np.isfinite(array).all():
-            raise FileFormatError(f"{name} holds values that are not finite")
-        return array
-
-    def table(self, prefix: str, table: dict[str, tuple[str, str]]) -> Arrays:
-        """All arrays of a table."""
-        return {name: self.take(f"{prefix}/{name}", *kind) for name, kind in table.items()}
 
 
 def patches_to_arrays(patches: Patches) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -110,18 +81,13 @@ def patches_from_arrays(reader: Reader, closed: bool, surface_names: tuple[str, 
     return patches
 
 
-def _within(name: str, index: NDArray[Any], count: int, low: int = 0) -> None:
-    if index.size and not (index.min() >= low and index.max() < count):
-        raise FileFormatError(f"{name} reaches {index.min()} … {index.max()}; there are {count}")
-
-
 def _check_indices(patches: Patches) -> None:
     surfaces = len(patches.surface_names)
-    _within("patches/faces", patches.faces[:, :3], len(patches.vertices))
-    _within("patches/faces", patches.faces[:, 3], len(patches.vertices), -1)
-    _within("patches/surface", patches.surface, surfaces)
-    _within("patches/face", patches.face, len(patches.grid.faces))
-    _within("faces/surface", patches.grid.faces.surface, surfaces)
+    within("patches/faces", patches.faces[:, :3], len(patches.vertices))
+    within("patches/faces", patches.faces[:, 3], len(patches.vertices), -1)
+    within("patches/surface", patches.surface, surfaces)
+    within("patches/face", patches.face, len(patches.grid.faces))
+    within("faces/surface", patches.grid.faces.surface, surfaces)
     if not np.isin(patches.side, (-1, 1)).all():
         raise FileFormatError("patches/side holds values other than 1 and -1")
 
@@ -151,10 +117,10 @@ def _check_grid(patches: Patches) -> None:
 
 def factors_to_arrays(factors: FormFactors, prefix: str = "factors") -> Iterator[tuple[str, NDArray[Any]]]:
     """Name and array of everything in form factors that is an array, replicates included."""
-    matrix = factors.matrix
-    yield f"{prefix}/indptr", matrix.indptr
-    yield f"{prefix}/indices", matrix.indices
-    yield f"{prefix}/data", matrix.data
+    if isinstance(factors, TwoLevelFactors):
+        yield from levels_to_arrays(factors.levels, f"{prefix}/levels")
+    else:
+        yield from matrix_to_arrays(factors.matrix, prefix)
     yield f"{prefix}/to_sky", factors.to_sky
     yield f"{prefix}/to_backs", factors.to_backs
     if factors.exact_columns is not None:
@@ -166,7 +132,11 @@ def factors_to_arrays(factors: FormFactors, prefix: str = "factors") -> Iterator
 def factors_header(factors: FormFactors) -> list[JSON]:
     """What is not an array of form factors and of their replicates, and which arrays there are."""
     return [
-        {"statistics": one.statistics, "exact_columns": one.exact_columns is not None}
+        {
+            "statistics": one.statistics,
+            "exact_columns": one.exact_columns is not None,
+            **({"group": one.levels.side} if isinstance(one, TwoLevelFactors) else {}),
+        }
         for one in (factors, *factors.replicates)
     ]
 
@@ -180,13 +150,9 @@ def factors_from_arrays(
     ------
     FileFormatError
     """
-    indptr = reader.take(f"{prefix}/indptr", ("<i4", "<i8"), "P")
-    reader.lengths.pop("E", None)  # each matrix has as many entries as it has
-    indices = reader.take(f"{prefix}/indices", indptr.dtype.str, "E")
-    data = reader.take(f"{prefix}/data", ("<f4", "<f8"), "E")
-    _check_rows(prefix, indptr, indices, len(patches))
-    matrix = csr_array((data, indices, indptr), shape=(len(patches), len(patches)), copy=False)
-    matrix.has_sorted_indices = matrix.has_canonical_format = True
+    if "group" in headers[0]:
+        return levels_from_arrays(reader, patches, headers[0], estimator, prefix)
+    matrix = matrix_from_arrays(reader, prefix, len(patches), len(patches))
     to_sky, to_backs = (reader.take(f"{prefix}/{name}", "<f8", "N") for name in ("to_sky", "to_backs"))
     try:
         check_matrix(matrix, patches.area)
@@ -210,15 +176,3 @@ def factors_from_arrays(
         replicates,
         exact,
     )
-
-
-def _check_rows(prefix: str, indptr: NDArray[Any], indices: NDArray[Any], count: int) -> None:
-    """Refuse compressed rows that are no rows: kernels would read beyond the arrays."""
-    if len(indptr) != count + 1 or indptr[0] != 0 or indptr[-1] != len(indices) or (np.diff(indptr) < 0).any():
-        raise FileFormatError(f"{prefix}/indptr does not divide {len(indices)} entries into {count} rows")
-    _within(f"{prefix}/indices", indices, count)
-    rising = np.diff(indices.astype(np.int64)) > 0
-    borders = indptr[1:-1]
-    rising[borders[(borders > 0) & (borders < len(indices))] - 1] = True
-    if not rising.all():
-        raise FileFormatError(f"{prefix}/indices are not in order of columns, near entry {int(np.argmin(rising)) + 1}")

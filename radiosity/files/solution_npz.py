@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from .. import solvers
 from .._version import __version__
 from ..errors import FileFormatError, RadiosityError, RadiosityWarning
-from ..form_factors import Analytic, Hemicube, MonteCarlo
+from ..form_factors import Analytic, Hemicube, MonteCarlo, TwoLevel
 from ..patches import Patches
 from ..result import Result
 from ..scene import Material, Scene, Surface
@@ -27,11 +27,11 @@ from ..solution import Solution
 from ..solvers import Neumann, Solver
 from . import checked
 from .checked import JSON
+from .matrix_arrays import Reader
 from .npz import Archive, write_archive
 from .provenance import provenance, scene_hash
 from .solution_arrays import (
     RESULT,
-    Reader,
     factors_from_arrays,
     factors_header,
     factors_to_arrays,
@@ -47,7 +47,7 @@ PARTS = {
     "patches": ("name", "closed"),
 }
 # What a file may name: nothing else is ever made of it.
-ESTIMATORS = {kind.__name__: kind for kind in (MonteCarlo, Hemicube, Analytic)}
+ESTIMATORS = {kind.__name__: kind for kind in (MonteCarlo, Hemicube, Analytic, TwoLevel)}
 SOLVERS = {name: getattr(solvers, name) for name in solvers.__all__}
 
 

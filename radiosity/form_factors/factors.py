@@ -18,6 +18,7 @@ from ..sparse import csr_matmul
 if TYPE_CHECKING:
     from typing import Self
 
+    from ..patches import Patches
     from .surfaces import SurfaceFactors
 
 FloatArray = NDArray[np.float64]
@@ -228,6 +229,10 @@ class FormFactors:
         from .conserve import conserve
 
         return conserve(self, None if keep is None else np.asarray(keep, dtype=bool))
+
+    def lit_by(self, patches: Patches) -> FormFactors:  # noqa: ARG002  # see TwoLevelFactors
+        """Factors for the light that `patches` emit: these, which serve any light."""
+        return self
 
     def exchange_area(self) -> csr_array:
         """G[i, j] = A[i] F[i, j], m², float64 (N, N); symmetric up to the sampling error."""

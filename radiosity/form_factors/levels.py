@@ -187,6 +187,15 @@ class TwoLevelFactors(FormFactors):
         sums = self._row_sums.reshape((-1,) + (1,) * (light.ndim - 1))
         return sums * light - self.gather(light if beside is None else light - beside)
 
+    def between(self, left: csr_array, right: csr_array) -> FloatArray:
+        """Left F right, dense (K, L), of sparse matrices (K, N) and (N, L): factors between sets of patches."""
+        levels, count = self.levels, self.levels.receivers
+        arriving = csr_array(left @ levels.spread.astype(np.float64))
+        passed = diags_array(np.where(levels.emits, 0.0, 1.0)) @ csr_array(levels.means @ right)
+        through = arriving[:, :count] @ (levels.exchange.astype(np.float64) @ passed)
+        straight = arriving[:, count:] @ (levels.means @ right)
+        return np.asarray((through + straight).todense(), dtype=np.float64)
+
     def row(self, i: int) -> FloatArray:
         """Form factors from patch i to all patches, dense (N,)."""
         levels, count = self.levels, self.levels.receivers

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from ..errors import FormFactorError, MemoryLimitError, ParameterError
+from .levels import TwoLevelFactors
 
 if TYPE_CHECKING:
     from .factors import FormFactors
@@ -202,13 +204,24 @@ def _aggregate(factors: FormFactors, group: IntArray, count: int) -> FloatArray:
 
 def _grouped(factors: FormFactors, group: IntArray, count: int) -> tuple[FloatArray, FloatArray]:
     """Means over each surface of p and (weights squared) p (1 - p), p the shares of its patches."""
-    matrix = factors.matrix
     weight = factors.area / sums_over(group, factors.area, count)[group]
+    if isinstance(factors, TwoLevelFactors):
+        return _grouped_levels(factors, group, weight, count), np.zeros((count, count + 2))
+    matrix = factors.matrix
     shares, variances = np.zeros((count, count + 2)), np.zeros((count, count + 2))
     _sum_rows(
         matrix.indptr, matrix.indices, matrix.data, factors.to_sky, factors.to_backs, weight, group, shares, variances
     )
     return shares, variances
+
+
+def _grouped_levels(factors: TwoLevelFactors, group: IntArray, weight: FloatArray, count: int) -> FloatArray:
+    """The means of `_grouped`, without a matrix of all patches."""
+    order = np.argsort(group, kind="stable")
+    ends = np.append(0, np.cumsum(np.bincount(group, minlength=count)))
+    left = csr_array((weight[order], order, ends), shape=(count, len(group)))
+    right = csr_array((np.ones(len(group)), group, np.arange(len(group) + 1)), shape=(len(group), count))
+    return np.column_stack([factors.between(left, right), left @ factors.to_sky, left @ factors.to_backs])
 
 
 @numba.njit(nogil=True, cache=True)

@@ -117,7 +117,7 @@ class TwoLevel:
         groups = group_patches(patches, self.side(len(patches)))
         work = _Work(self, patches, tracer, groups, threads, progress)
         smooth = work.survey()
-        senders = _Senders.of(groups, smooth)
+        senders = senders_of(groups, smooth)
         receivers = _Receivers.of(groups, senders, self)
         surveyed = time.perf_counter()
         rows = work.exchange(receivers, senders, dtype)
@@ -169,7 +169,7 @@ def lamps(patches: Patches, light_rays: int) -> Emitters | None:
     return emitters
 
 
-class _Senders(NamedTuple):
+class Senders(NamedTuple):
     """Smooth groups (numbers), then single patches; of_patch (N,) says which of them each patch is, or belongs to."""
 
     group: IntArray
@@ -178,17 +178,6 @@ class _Senders(NamedTuple):
 
     def __len__(self) -> int:
         return len(self.group) + len(self.patch)
-
-    @classmethod
-    def of(cls, groups: Groups, smooth: BoolArray) -> _Senders:
-        """Those of groups of which these are smooth."""
-        group = np.flatnonzero(smooth)
-        number = np.full(len(groups), -1, dtype=np.int32)
-        number[group] = np.arange(len(group))
-        of_patch = number[groups.of_patch]
-        patch = np.flatnonzero(of_patch < 0)
-        of_patch[patch] = np.arange(len(group), len(group) + len(patch))
-        return cls(group, patch, of_patch)
 
     def means(self, area: FloatArray, dtype: type[np.floating]) -> csr_array:
         """Area-weighted means over the patches of each sender, (S, N)."""
@@ -201,11 +190,22 @@ class _Senders(NamedTuple):
         return csr_array(arrays, shape=(count, len(area)), copy=False)
 
 
+def senders_of(groups: Groups, smooth: BoolArray) -> Senders:
+    """Senders: groups of which these are smooth, and the patches of the others."""
+    group = np.flatnonzero(smooth)
+    number = np.full(len(groups), -1, dtype=np.int32)
+    number[group] = np.arange(len(group))
+    of_patch = number[groups.of_patch]
+    patch = np.flatnonzero(of_patch < 0)
+    of_patch[patch] = np.arange(len(group), len(group) + len(patch))
+    return Senders(group, patch, of_patch)
+
+
 class _Receivers(NamedTuple):
     """Corners of smooth groups, those of most rays first, then single patches.
 
     point (G,) are lattice points in rising order of which `order` says the receiver; group and corner (G,) are a group
-    at whose corner each receiver is; patch as in `_Senders`; rays (R,).
+    at whose corner each receiver is; patch as in `Senders`; rays (R,).
     """
 
     point: IntArray
@@ -219,7 +219,7 @@ class _Receivers(NamedTuple):
         return len(self.rays)
 
     @classmethod
-    def of(cls, groups: Groups, senders: _Senders, method: TwoLevel) -> _Receivers:
+    def of(cls, groups: Groups, senders: Senders, method: TwoLevel) -> _Receivers:
         """Those of the same groups and patches."""
         corners = groups.corners[senders.group]
         point, first = np.unique(corners, return_index=True)
@@ -294,7 +294,7 @@ class _Work:
         patch, met = self.tracer.hits(origins, directions)
         return np.where(patch >= 0, np.linalg.norm(met - origins, axis=1), np.inf)
 
-    def exchange(self, receivers: _Receivers, senders: _Senders, dtype: type[np.float32] | type[np.float64]) -> Rows:
+    def exchange(self, receivers: _Receivers, senders: Senders, dtype: type[np.float32] | type[np.float64]) -> Rows:
         """Rows (R, S) of all receivers: shares that arrive at each sender, as counted."""
         corners = len(receivers.group)
         runs = seed_key(self.method.seed, COARSE), seed_key(self.method.seed, FINE)
@@ -359,7 +359,7 @@ class _Work:
             self.method,
             {"leaks/share": float(np.mean(np.where(inside, rows.to_sky, 0.0))), "rays/to emitters": rows.shadow_rays},
             None if emitters is None else emitters.columns,
-            _again,
+            straight_to_new,
         )
         made.statistics.update({"matrix/non-zeros": made.non_zeros, "matrix/bytes": made.nbytes})
         return made
@@ -384,7 +384,7 @@ class _Spread:
 
     def __init__(self, work: _Work, levels: Levels, emitters: Emitters | None) -> None:
         self.levels, self.groups = levels, work.groups
-        self.receivers = _Receivers.of(work.groups, _Senders.of(work.groups, levels.smooth), work.method)
+        self.receivers = _Receivers.of(work.groups, senders_of(work.groups, levels.smooth), work.method)
         others = csr_matmul(levels.exchange, (~levels.emits).astype(np.float64))
         self.shares = np.stack([others, levels.to_sky, levels.to_backs], axis=1)
         self.direct: DirectLight | None = None
@@ -447,7 +447,7 @@ def reshaped(matrix: csr_array, columns: int) -> csr_array:
     return csr_array((matrix.data, matrix.indices, matrix.indptr), shape=shape, copy=False)
 
 
-def _again(factors: TwoLevelFactors, patches: Patches) -> TwoLevelFactors:
+def straight_to_new(factors: TwoLevelFactors, patches: Patches) -> TwoLevelFactors:
     """The same factors with straight paths from what emits in `patches`, besides those that they have."""
     method = factors.estimator
     assert isinstance(method, TwoLevel)
@@ -467,5 +467,5 @@ def _again(factors: TwoLevelFactors, patches: Patches) -> TwoLevelFactors:
         method,
         {**factors.statistics, **made.statistics},
         made.exact_columns,
-        _again,
+        straight_to_new,
     )

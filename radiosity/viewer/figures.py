@@ -303,7 +303,7 @@ def matrix_plot(solution: Solution, patch: int = -1, channel: int = 0, size: flo
     """
     operator = TransportOperator(solution.factors, solution.patches)
     patches = solution.patches
-    view = MatrixView.of(operator.matrix(channel), patches.surface, patches.surface_names)
+    view = MatrixView.of_operator(operator, channel, patches.surface, patches.surface_names)
     figure = Figure(figsize=(size, size), dpi=100, facecolor=PAPER)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.17, 0.03, 0.8, 0.8))

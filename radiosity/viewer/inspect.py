@@ -11,18 +11,21 @@ from scipy.sparse import csr_array
 
 from .. import display
 from ..form_factors.hemicube import hemicube_rays, pixels, sample_points
+from ..form_factors.levels import TwoLevelFactors
 from ..rays import BACK, Tracer
 from .palette import GATHERING, SHOOTING
 
 if TYPE_CHECKING:
     from ..patches import Patches
     from ..solution import Solution
+    from ..transport import TransportOperator
     from .state import Series
 
 FloatArray = NDArray[np.float64]
 ByteArray = NDArray[np.uint8]
 
 TOP = (0.0, 1.0, -0.1)  # up, and on level faces to the back
+MOST_PIXELS = 400  # along the sides of the operator as a picture
 DECADES = 3  # of the false-colour scales below the largest number
 ON_THE_EDGE = 1e-9  # share of a triangle by which a point may miss it: between two halves there is no gap
 NOTHING = (38, 43, 51)  # sky and void
@@ -197,6 +200,15 @@ def numbers(values: NDArray[Any]) -> str:
     return " / ".join(f"{float(value):.3g}" for value in shown)
 
 
+def _pixels(surface: NDArray[Any], most: int) -> tuple[NDArray[np.int64], int]:
+    """Pixel of each patch in the order of surfaces, and how many there are."""
+    count = len(surface)
+    side = min(count, most)
+    rank = np.zeros(count, dtype=np.int64)
+    rank[np.argsort(surface, kind="stable")] = np.arange(count)
+    return rank * side // count, side
+
+
 @dataclass(frozen=True, eq=False)
 class MatrixView:
     """The transport operator as a picture, patches in the order of their surfaces.
@@ -216,17 +228,35 @@ class MatrixView:
     borders: tuple[tuple[str, float], ...]
 
     @classmethod
-    def of(cls, matrix: csr_array, surface: NDArray[Any], names: tuple[str, ...], most: int = 400) -> MatrixView:
+    def of_operator(
+        cls, T: TransportOperator, channel: int, surface: NDArray[Any], names: tuple[str, ...]
+    ) -> MatrixView:
+        """T of one channel; of factors on two levels, which have no matrix of their own, as well."""
+        if not isinstance(T.factors, TwoLevelFactors):
+            return cls.of(T.matrix(channel), surface, names)
+        place, side = _pixels(surface, MOST_PIXELS)
+        ones, reflectance = np.ones(len(place)), T.reflectance[:, channel]
+        which, ends = np.argsort(place, kind="stable"), np.append(0, np.cumsum(np.bincount(place, minlength=side)))
+        receive = csr_array((reflectance[which], which, ends), shape=(side, len(place)))
+        send = csr_array((ones, place, np.arange(len(place) + 1)), shape=(len(place), side))
+        return cls._of_sums(T.factors.between(receive, send), place, surface, names)
+
+    @classmethod
+    def of(
+        cls, matrix: csr_array, surface: NDArray[Any], names: tuple[str, ...], most: int = MOST_PIXELS
+    ) -> MatrixView:
         """Gather the entries of an N × N matrix into at most `most` pixels along each side."""
-        count = matrix.shape[0]
-        side = min(count, most)
-        rank = np.zeros(count, dtype=np.int64)
-        rank[np.argsort(surface, kind="stable")] = np.arange(count)
-        place = rank * side // count
+        place, side = _pixels(surface, most)
         rows = np.repeat(place, np.diff(matrix.indptr))
         sums = np.bincount(rows * side + place[matrix.indices], weights=matrix.data, minlength=side * side)
-        share = np.bincount(place, minlength=side).astype(np.float64)
-        means = sums.reshape(side, side) / np.outer(share, share)
+        return cls._of_sums(sums.astype(np.float64, copy=False).reshape(side, side), place, surface, names)
+
+    @classmethod
+    def _of_sums(
+        cls, sums: FloatArray, place: NDArray[np.int64], surface: NDArray[Any], names: tuple[str, ...]
+    ) -> MatrixView:
+        share = np.bincount(place, minlength=len(sums)).astype(np.float64)
+        means, count = sums / np.outer(share, share), len(place)
         ends = np.cumsum(np.bincount(surface, minlength=len(names))) / count
         return cls(means, place, tuple(zip(names, ends.tolist(), strict=True)))
 

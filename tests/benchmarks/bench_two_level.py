@@ -1,0 +1,146 @@
+"""Two levels beside plain rows: seconds, memory and error of both, up to a million patches, in one run.
+
+Example: python tests/benchmarks/bench_two_level.py --patches 10000 100000 1000000
+
+The error is the area-weighted relative L2 of B - E over channels, on patches chosen at random. There the light is gathered
+anew: rows of many rays and many shadow rays, times the light of the plain rows, whose noise a gather averages away. Two
+such gathers, independent of each other, give the reference and its own error. Each measurement is a process of its
+own, so that the peak of its memory is its own; compilers have run before the clock starts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import radiosity as rad
+from radiosity.form_factors.monte_carlo import _BlockOfRows
+from radiosity.rays import Tracer
+
+FloatArray = NDArray[np.float64]
+
+SCENES = {"cornell": rad.scenes.cornell_box, "cluttered": lambda: rad.scenes.cluttered_room(60)}
+METHODS = {
+    "plain 128": lambda seed: rad.MonteCarlo(128, seed, light_rays=64),
+    "plain 512": lambda seed: rad.MonteCarlo(512, seed, light_rays=256),
+    "two levels": lambda seed: rad.TwoLevel(seed=seed),
+    "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=2048, seed=seed),
+    "two levels, 256": lambda seed: rad.TwoLevel(rays=256, group_rays=8192, seed=seed),
+}
+WARM = 2000  # patches of the run that compiles
+REFERENCE = rad.MonteCarlo(8192, light_rays=2048)
+BOUNCES = 5  # timed
+
+
+def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[str, float]:
+    """One method in this process: seconds, bytes; its radiosity goes to a file."""
+    for warm in (WARM, WARM + 1000):
+        patches = rad.subdivide(SCENES[scene](), patch_count=warm)
+        solved(patches, METHODS[method](seed))
+    begin = time.perf_counter()
+    patches = rad.subdivide(SCENES[scene](), patch_count=count)
+    cut = time.perf_counter()
+    factors = rad.form_factors(patches, METHODS[method](seed))
+    made = time.perf_counter()
+    gathers = []
+    for _ in range(BOUNCES):
+        start = time.perf_counter()
+        factors.gather(patches.emission + 1.0)
+        gathers.append(time.perf_counter() - start)
+    start = time.perf_counter()
+    T = rad.TransportOperator(factors, patches)
+    result = rad.Neumann(rtol=1e-4, keep_bytes=0).solve(T, patches.emission, patches.sky)
+    done = time.perf_counter()
+    np.save(out, result.radiosity)
+    return {
+        "patches": len(patches),
+        "cutting": cut - begin,
+        "factors": made - cut,
+        "bounce": float(np.median(gathers)),
+        "solve": done - start,
+        "operator": factors.nbytes,
+        "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        **{name: value for name, value in factors.statistics.items() if name.startswith("levels/")},
+    }
+
+
+def solved(patches: rad.Patches, estimator: object) -> FloatArray:
+    """Radiosity (N, C)."""
+    T = rad.TransportOperator(rad.form_factors(patches, estimator), patches)
+    return rad.Neumann(rtol=1e-4).solve(T, patches.emission, patches.sky).radiosity
+
+
+def gathered(patches: rad.Patches, light: FloatArray, chosen: NDArray[np.int64], seed: int) -> FloatArray:
+    """B - E of some patches, from many rays of each."""
+    method = rad.MonteCarlo(REFERENCE.rays, seed, light_rays=REFERENCE.light_rays)
+    rows = _BlockOfRows(method, patches, Tracer(patches.grid), 0)
+    out = np.empty((len(chosen), patches.channels))
+    for n, i in enumerate(chosen):
+        row = rows((int(i), int(i) + 1))
+        arriving = (row.weights[:, None] * light[row.indices]).sum(axis=0) + np.pi * row.to_sky[0] * patches.sky
+        out[n] = patches.reflectance[i] * arriving / rows.divisor
+    return out
+
+
+def relative(area: FloatArray, found: FloatArray, true: FloatArray) -> float:
+    """Area-weighted relative L2 over patches and channels."""
+    return float(np.sqrt((area[:, None] * (found - true) ** 2).sum() / (area[:, None] * true**2).sum()))
+
+
+def compare(scene: str, count: int, methods: list[str], samples: int) -> None:
+    """Print a line for each method."""
+    with tempfile.TemporaryDirectory() as folder:
+        runs = {}
+        for number, method in enumerate(methods):
+            out = Path(folder) / f"{number}.npy"
+            words = ["--one", method, "--scenes", scene, "--patches", str(count), "--out", str(out)]
+            text = subprocess.run([sys.executable, __file__, *words], check=True, capture_output=True, text=True).stdout
+            runs[method] = json.loads(text), np.load(out)
+        patches = rad.subdivide(SCENES[scene](), patch_count=count)
+        chosen = np.sort(np.random.default_rng(0).choice(len(patches), min(samples, len(patches)), replace=False))
+        light = runs[methods[0]][1]
+        halves = [gathered(patches, light, chosen, seed) for seed in (901, 902)]
+    true, area = np.mean(halves, axis=0), patches.area[chosen]
+    own = relative(area, halves[0], halves[1]) / 2.0
+    print(f"{scene}, {len(patches):,} patches; error of the reference on {len(chosen)} of them {own:.2%}")
+    for method, (figures, radiosity) in runs.items():
+        error = relative(area, radiosity[chosen] - patches.emission[chosen], true)
+        alone = figures.get("levels/patches alone", 0) / len(patches)
+        print(
+            f"  {method:>16}  factors {figures['factors']:6.2f} s  bounce {1e3 * figures['bounce']:6.1f} ms  "
+            f"solve {figures['solve']:6.2f} s  operator {figures['operator'] / 1e6:6.0f} MB  "
+            f"peak {figures['peak'] / 1e9:5.2f} GB  error {error:6.2%}"
+            + (f"  ({alone:.0%} of patches alone)" if alone else ""),
+            flush=True,
+        )
+
+
+def main() -> None:
+    """Compare for each scene and number of patches."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", nargs="+", default=list(SCENES), choices=list(SCENES))
+    parser.add_argument("--patches", type=int, nargs="+", default=[10_000, 30_000, 100_000])
+    parser.add_argument("--methods", nargs="+", default=["plain 128", "two levels"], choices=list(METHODS))
+    parser.add_argument("--samples", type=int, default=3000, help="patches on which the error is measured")
+    parser.add_argument("--one", choices=list(METHODS), help=argparse.SUPPRESS)
+    parser.add_argument("--out", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.one:
+        print(json.dumps(measured(options.scenes[0], options.patches[0], options.one, 0, options.out)))
+        return
+    for scene in options.scenes:
+        for count in options.patches:
+            compare(scene, count, options.methods, options.samples)
+
+
+if __name__ == "__main__":
+    main()
