@@ -2,10 +2,10 @@
 
 Example: python tests/benchmarks/bench_two_level.py --patches 10000 100000 1000000
 
-The error is the area-weighted relative L2 of B - E over channels, on patches chosen at random. There the light is gathered
-anew: rows of many rays and many shadow rays, times the light of the plain rows, whose noise a gather averages away. Two
-such gathers, independent of each other, give the reference and its own error. Each measurement is a process of its
-own, so that the peak of its memory is its own; compilers have run before the clock starts.
+The error is the area-weighted relative L2 of B - E over channels, on patches chosen at random. There the light is
+gathered anew: rows of many rays and many shadow rays, times the light of the plain rows, whose noise a gather averages
+away. Two such gathers, independent of each other, give the reference and its own error. Each measurement is a process
+of its own, so that the peak of its memory is its own; compilers have run before the clock starts.
 """
 
 from __future__ import annotations
