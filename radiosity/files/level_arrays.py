@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FileFormatError
+from ..form_factors.elements import senders_of
 from ..form_factors.factors import check_shares
 from ..form_factors.groups import group_patches
 from ..form_factors.levels import Levels, TwoLevelFactors
-from ..form_factors.two_level import senders_of, straight_to_new
+from ..form_factors.two_level import straight_to_new
 from ..patches import Patches
 from . import checked
 from .checked import JSON

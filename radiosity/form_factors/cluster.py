@@ -26,10 +26,10 @@ from ..rays import Tracer
 from ..sparse import csr_differences, csr_matmul
 from .assembly import Float, Rows, stack_rows
 from .cost import predict
-from .shares import without_leaks
 from .identity import fingerprint
 from .monte_carlo import MonteCarlo
 from .on_demand import RowsOnDemand
+from .shares import without_leaks
 from .workers import Span, make_rows, packed
 
 if TYPE_CHECKING:

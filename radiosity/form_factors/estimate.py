@@ -101,7 +101,7 @@ def form_factors(
         Crew(executor)
     estimator = MonteCarlo() if estimator is None else estimator
     if isinstance(estimator, TwoLevel) and (executor is not None or checkpoint is not None):
-        raise ParameterError("two levels are made by threads at once: leave executor and checkpoint out, or MonteCarlo()")
+        raise ParameterError("two levels are made by threads alone: leave executor and checkpoint out, or MonteCarlo()")
     if not isinstance(estimator, Analytic):
         check_gaps(patches)
     begin = time.perf_counter()

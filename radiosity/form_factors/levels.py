@@ -108,7 +108,7 @@ class TwoLevelFactors(FormFactors):
     """
 
     levels: Levels
-    again: Callable[[TwoLevelFactors, Patches], TwoLevelFactors] | None
+    again: Again | None
 
     def __init__(
         self,
@@ -121,7 +121,7 @@ class TwoLevelFactors(FormFactors):
         estimator: object | None = None,
         statistics: dict[str, Any] | None = None,
         exact_columns: NDArray[np.bool_] | None = None,
-        again: Callable[[TwoLevelFactors, Patches], TwoLevelFactors] | None = None,
+        again: Again | None = None,
     ) -> None:
         given = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         given.update(statistics=statistics or {}, replicates=())
@@ -275,3 +275,6 @@ class TwoLevelFactors(FormFactors):
         if not new.any() or self.again is None:
             return self
         return self.again(self, patches)
+
+
+Again = Callable[[TwoLevelFactors, "Patches"], TwoLevelFactors]

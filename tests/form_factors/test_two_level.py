@@ -8,7 +8,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.errors import MemoryLimitError, ParameterError
-from radiosity.form_factors import two_level
+from radiosity.form_factors import level_rows
 from radiosity.form_factors.levels import TwoLevelFactors
 from radiosity.solvers.admission import connected_components
 from tests.truths import relative_error
@@ -147,8 +147,8 @@ def test_no_light_goes_through_a_wall_that_stands_on_a_group():
 
 def test_groups_kept_under_a_wall_let_light_through(monkeypatch):
     """Negative control: what the survey is for."""
-    monkeypatch.setattr(two_level, "NEAR_SHARE", 1.0)
-    monkeypatch.setattr(two_level._Work, "_whole", lambda *given: np.ones(len(given[1]), dtype=bool))
+    monkeypatch.setattr(level_rows, "NEAR_SHARE", 1.0)
+    monkeypatch.setattr(level_rows.Work, "_whole", lambda *given: np.ones(len(given[1]), dtype=bool))
     dark, lit, joined = behind_the_wall()
     assert dark.mean() > 0.05 * np.median(lit)
     assert joined.all()
