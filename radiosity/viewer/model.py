@@ -85,7 +85,7 @@ class Model:
     def matrix(self, solution: Solution) -> MatrixView:
         """T of the first channel."""
         operator = TransportOperator(solution.factors, solution.patches)
-        return MatrixView.of(operator.matrix(0), solution.patches.surface, solution.patches.surface_names)
+        return MatrixView.of_operator(operator, 0, solution.patches.surface, solution.patches.surface_names)
 
     @functools.lru_cache(maxsize=2)  # noqa: B019
     def race(self, solution: Solution) -> Race:
