@@ -6,7 +6,8 @@ import radiosity as rad
 from radiosity.form_factors.cluster import form_factors_on_cluster
 
 
-def main():
+def main() -> None:
+    """Compute on two processes, solve where the rows are, and compare."""
     from dask.distributed import Client, LocalCluster  # pip install "radiosity[cluster]"
 
     patches = rad.subdivide(rad.scenes.cornell_box(), patch_count=3_000)

@@ -4,9 +4,9 @@ Example: python tests/benchmarks/bench_peers.py --pythons /tmp/peers --install -
 
 Each peer runs in a Python of its own, in the folder named by --pythons; --install makes those with pip. One that is not
 there, fails, or takes longer than --timeout gets a line that says so. Seconds are warm (compilers have run on a small
-room) and by the clock, ours included, processes being started before. Closure is the largest |1 - Σ_j F_ij|,
-reciprocity ‖G - Gᵀ‖ / ‖G‖ of G_ij = A_i F_ij. The error of the light is what F is for: area-weighted relative L2 of
-B - E, solved with each F as it is, against a converged answer on the same patches.
+room), by the clock and of all threads, ours included; the latter tell more on a machine that has other work to do.
+Closure is the largest |1 - Σ_j F_ij|, reciprocity ‖G - Gᵀ‖ / ‖G‖ of G_ij = A_i F_ij. The error of the light is what F
+is for: area-weighted relative L2 of B - E, solved with each F as it is, against a converged answer on the same patches.
 """
 
 from __future__ import annotations
@@ -43,8 +43,10 @@ def room(count: int) -> rad.Patches:
     return rad.subdivide(rad.scenes.cluttered_room(2), patch_count=count)
 
 
-def run_peer(name: str, python: Path, patches: rad.Patches, timeout: float) -> tuple[csr_array, float, float] | str:
-    """F, seconds and bytes; or what went wrong."""
+def run_peer(
+    name: str, python: Path, patches: rad.Patches, timeout: float
+) -> tuple[csr_array, float, float, float] | str:
+    """F, seconds by the clock and of all threads, bytes; or what went wrong."""
     if not python.exists():
         return "not installed"
     small = room(100)
@@ -62,7 +64,7 @@ def run_peer(name: str, python: Path, patches: rad.Patches, timeout: float) -> t
         data = np.load(found)
         entries = (data["share"], (data["row"], data["column"]))
         F = csr_array(entries, shape=(len(patches), len(patches)))
-        return F, float(data["seconds"]), float(data["peak"])
+        return F, float(data["seconds"]), float(data["processor"]), float(data["peak"])
 
 
 def own_peak(method: rad.MonteCarlo, count: int) -> float:
@@ -104,14 +106,16 @@ def error(found: np.ndarray, true: np.ndarray, patches: rad.Patches) -> float:
     return float(np.sqrt((area * (found - true) ** 2).sum() / (area * true**2).sum()))
 
 
-def line(name: str, F: csr_array, seconds: float, peak: float, patches: rad.Patches, true: np.ndarray) -> str:
+def line(
+    name: str, F: csr_array, seconds: float, processor: float, peak: float, patches: rad.Patches, true: np.ndarray
+) -> str:
     """One row of the table."""
     G = csr_array(patches.area[:, None] * F)
     defect = np.abs(1.0 - F.sum(axis=1)).max()
     reciprocity = np.sqrt(((G - G.T).data ** 2).sum() / (G.data**2).sum())
     return (
-        f"| {len(patches)} | {name} | {seconds:.3g} s | {peak / 1e6:.0f} MB | {100 * defect:.2g} % | "
-        f"{100 * reciprocity:.2g} % | {100 * error(light(F, patches), true, patches):.2g} % |"
+        f"| {len(patches)} | {name} | {seconds:.3g} s | {processor:.3g} s | {peak / 1e6:.0f} MB | "
+        f"{100 * defect:.2g} % | {100 * reciprocity:.2g} % | {100 * error(light(F, patches), true, patches):.2g} % |"
     )
 
 
@@ -121,27 +125,28 @@ def main() -> None:
     parser.add_argument("--pythons", type=Path, default=Path("peers"), help="folder of the peers' environments")
     parser.add_argument("--install", action="store_true", help="make them with pip")
     parser.add_argument("--patches", type=int, nargs="+", default=[500, 2000, 8000])
+    parser.add_argument("--peers", nargs="*", default=PEERS, choices=PEERS)
     parser.add_argument("--timeout", type=float, default=300.0, help="seconds for a peer and a size")
     options = parser.parse_args()
-    for name in PEERS if options.install else ():
+    for name in options.peers if options.install else ():
         install(name, options.pythons)
     for method in OURS.values():
         rad.form_factors(room(100), method)
-    print("| patches | by | factors | memory | closure | reciprocity | error of the light |")
-    print("|---|---|---|---|---|---|---|")
+    print("| patches | by | clock | processors | memory | closure | reciprocity | error of the light |")
+    print("|---|---|---|---|---|---|---|---|")
     for count in options.patches:
         patches = room(count)
         true, own = reference(patches)
-        for name in PEERS:
+        for name in options.peers:
             found = run_peer(name, options.pythons / name / "bin" / "python", patches, options.timeout)
-            text = f"| {len(patches)} | {name} | {found} | | | | |" if isinstance(found, str) else ""
+            text = f"| {len(patches)} | {name} | {found} | | | | | |" if isinstance(found, str) else ""
             print(text or line(name, *found, patches, true), flush=True)
         for name, method in OURS.items():
-            begin = time.perf_counter()
+            begin, worked = time.perf_counter(), time.process_time()
             factors = rad.form_factors(patches, method)
-            seconds = time.perf_counter() - begin
+            seconds, worked = time.perf_counter() - begin, time.process_time() - worked
             matrix = factors.matrix.astype(np.float64)
-            print(line(name, matrix, seconds, own_peak(method, count), patches, true), flush=True)
+            print(line(name, matrix, seconds, worked, own_peak(method, count), patches, true), flush=True)
         print(f"The reference's own error at {len(patches)} patches is {100 * own:.2g} %.", flush=True)
 
 

@@ -1,8 +1,8 @@
 """Form factors of one room by another package, in a Python of its own: `python peers.py NAME room.npz out.npz`.
 
 Started by `bench_peers.py`, once for each package and size; imports nothing of radiosity, so that the packages' own
-requirements cannot clash with ours. Compilers run first on a small room. Writes F (its non-zeros), seconds, and the
-process's largest memory.
+requirements cannot clash with ours. Compilers run first on a small room. Writes F (its non-zeros), seconds by the
+clock and of all threads, and the process's largest memory.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ def main():
     name, room, out = sys.argv[1:]
     data = np.load(room)
     PEERS[name](data["small_vertices"], data["small_quads"])
-    begin = time.perf_counter()
+    begin, worked = time.perf_counter(), time.process_time()
     F = PEERS[name](data["vertices"], data["quads"])
-    seconds = time.perf_counter() - begin
+    seconds, worked = time.perf_counter() - begin, time.process_time() - worked
     row, column = np.nonzero(F)
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    np.savez(out, seconds=seconds, peak=peak, row=row, column=column, share=F[row, column])
+    np.savez(out, seconds=seconds, processor=worked, peak=peak, row=row, column=column, share=F[row, column])
 
 
 if __name__ == "__main__":
