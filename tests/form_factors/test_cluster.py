@@ -18,14 +18,16 @@ from radiosity.form_factors.cluster import form_factors_on_cluster
 from .test_workers import room, same_bits
 
 distributed = pytest.importorskip("distributed", reason="the group `cluster` is not installed")
+dask = pytest.importorskip("dask")
 
 METHOD = rad.MonteCarlo(64, 5)
 
 
 @pytest.fixture(scope="module")
 def client() -> Iterator[object]:
-    """Two workers in this process."""
+    """Two workers in this process; patient ones, because machines that test have other work to do."""
     with (
+        dask.config.set({"distributed.comm.timeouts.connect": "120s"}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as workers,
         distributed.Client(workers) as found,
     ):
