@@ -10,15 +10,15 @@ from __future__ import annotations
 import ctypes
 import re
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ..form_factors import Analytic
+from ..form_factors.cost import predict
 from ..patches import Patches
 
 STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
-ENTRY = 8  # bytes of a form factor: float32 and its column
 WALK = 8 * 5  # bytes of a patch, channel and order in a path tracer's tally: sums and squares, and the results
 
 
@@ -44,15 +44,12 @@ class PeakMemory:
             self.bytes = max(peak - self._before, 0)
 
 
-def predicted_bytes(patches: Patches, method: Any) -> int:
-    """Bytes of the form factors (or of a path tracer's tally) as foreseen before the work: the most there can be."""
-    count = len(patches)
+@cache
+def predicted_bytes(patches: Patches, method: Any) -> int | None:
+    """Bytes of the form factors (or a path tracer's tally), foreseen before the work; None where nobody foresees."""
     if hasattr(method, "paths"):
-        return WALK * count * patches.channels * (method.bounces + 2)
-    if isinstance(method, Analytic):
-        return (8 + ENTRY) * count**2  # exchange areas are dense
-    lit = int((patches.emission > 0).any(axis=1).sum()) if getattr(method, "light_rays", 0) else 0
-    return ENTRY * count * min(count, method.rays + lit)
+        return int(WALK * len(patches) * patches.channels * (method.bounces + 2))
+    return predict(patches, method).bytes if hasattr(method, "rows") else None
 
 
 def _give_back() -> None:

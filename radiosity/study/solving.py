@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ class Cost(NamedTuple):
     processor_seconds: float
     bytes_peak: int | None
     bytes_matrix: int
-    bytes_predicted: int
+    bytes_predicted: int | None
     bounces: int | None
 
 
@@ -41,7 +42,7 @@ def run_method(patches: Patches, method: Any, threads: int | None = None) -> tup
         else:
             light, parts, matrix, bounces = _by_factors(patches, method, threads)
         seconds, processor = time.perf_counter() - begin[0], time.process_time() - begin[1]
-    predicted = predicted_bytes(patches, method)
+    predicted = predicted_bytes(patches, replace(method, seed=0) if hasattr(method, "seed") else method)
     return light, Cost(seconds, *parts, processor, memory.bytes, matrix, predicted, bounces)
 
 

@@ -46,7 +46,8 @@ def test_every_method_is_run_as_often_as_asked_and_judged(made):
     for record in records:
         assert 0.0 < record["sampling_l2"] < 2.0
         assert record["seconds"] >= record["factor_seconds"] + record["solve_seconds"] - 1e-3
-        assert record["bytes_matrix"] <= record["bytes_predicted"] or record["family"].endswith("walks")
+        if not record["family"].endswith("walks"):
+            assert record["bytes_predicted"] == pytest.approx(record["bytes_matrix"], rel=0.2)
         assert len(record["sampling_by_order"]) == 8
     worst = {record["family"]: record["sampling_l2"] for record in records if record["budget"] == "1024 rays"}
     assert worst["apart"] < 0.5 * worst["sobol"] < worst["random"]
