@@ -16,7 +16,7 @@ CAPTIONS = {
     ),
     "error_against_memory": "Total error over memory, all numbers of patches together.",
     "error_by_order": "Error of each order of light, against the same patches' own.",
-    "error_against_rays": "How the sampling error falls with work. Shadow rays, where direct light is apart, come on top.",
+    "error_against_rays": "How the sampling error falls with work; shadow rays of direct light apart come on top.",
     "bounces": "What cutting the series after K bounces leaves out.",
     "solvers": "Error that solvers leave, on the same form factors.",
 }
