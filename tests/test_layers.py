@@ -86,7 +86,7 @@ HEAVY = {
     "distributed": (),
     "embreex": ("rays",),
     "imageio": (),
-    "matplotlib": ("viewer", "study"),
+    "matplotlib": ("viewer", "lectures", "study"),
     "numba": KERNELS,
     "pyvista": ("viewer",),
     "trimesh": ("files",),

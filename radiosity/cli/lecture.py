@@ -1,49 +1,116 @@
-"""`radiosity lecture`: a scripted talk in the viewer, or as pictures for slides."""
+"""`radiosity lecture`: a scripted talk in the viewer, as a page to hand out, or as pictures for slides."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
+from . import arguments
 from .console import Screen
 
-HELP = "give a lecture in the viewer, step by step, or write its steps as pictures"
+HELP = "give a lecture in the viewer, step by step, or write it as a page or as pictures"
 EXAMPLES = """\
 examples:
-  radiosity lecture                               which lectures there are
-  radiosity lecture cornell                       Page down goes on, Page up goes back, ? lists the keys
-  radiosity lecture cornell --pictures slides     every step as a picture; needs no display
-  radiosity lecture my_lecture.py                 your own: copy radiosity/lectures/cornell.py
+  radiosity lecture                            which lectures there are
+  radiosity lecture cornell                    Page down goes on, Page up goes back, ? lists the keys
+  radiosity lecture cornell -o cornell.html    one page for a browser, to hand out; needs no display
+  radiosity lecture cornell -o slides          every step as a picture, into a folder; slides.png: slides_01.png, …
+  radiosity lecture my_lecture.py              your own: `radiosity lecture cornell --copy my_lecture.py` to begin
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Words of this command."""
     parser.add_argument("name", metavar="NAME", nargs="?", help="a lecture, or a file FILE.py with one")
-    parser.add_argument("--pictures", type=Path, metavar="FOLDER", help="write each step as a picture; no window")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write it: .html, .png (one a step) or a folder; no window; may be given again",
+    )
+    parser.add_argument(
+        "--copy", type=Path, metavar="FILE.py", help="write the lecture's own file, to be changed; nothing else"
+    )
+    parser.add_argument("--patches", type=arguments.count, metavar="N", help="about how many patches, for each scene")
+    parser.add_argument("-q", "--quiet", action="store_true", help="say only what is wrong")
 
 
 def run(args: argparse.Namespace, screen: Screen) -> None:
     """Solve what the lecture shows, and give it."""
     from .. import lectures
-    from ..viewer import probe
-    from .interrupts import window_open
 
     if args.name is None:
-        for name in lectures.names():
-            lecture = lectures.find(name)
-            screen.out.print(f"{name:<12} {lecture.title} ({lecture.minutes:g} minutes)", highlight=False, markup=False)
+        _list(screen)
+        return
+    if args.copy is not None:
+        _copy(args.name, args.copy)
+        screen.say(f"wrote {args.copy}: change it, then run `radiosity lecture {args.copy}`")
         return
     lecture = lectures.find(args.name)
+    outputs = _outputs(args, screen)
     with screen.working(f"solving for {lecture.title!r}"):
-        solution = lecture.solve()
-    if args.pictures is None and probe.has_display():
+        talk = lectures.Talk.prepare(lecture, args.patches)
+    if not outputs:
+        from .interrupts import window_open
+
         with window_open():
-            lectures.run(lecture, solution)
-        return
-    folder = args.pictures or Path(f"{lecture.name}_lecture")
-    if args.pictures is None:
-        screen.say("there is no display; writing the steps as pictures instead")
-    with screen.working("drawing"):
-        written = lectures.export(lecture, folder, solution)
-    screen.say(f"wrote {len(written)} pictures into {folder.resolve()}")
+            lectures.run(talk)
+    for path in outputs:
+        with screen.working("drawing"):
+            written = lectures.export(talk, path)
+        if len(written) == 1:
+            screen.say(f"wrote {written[0]} ({written[0].stat().st_size / 1024:.0f} KiB)")
+        else:
+            screen.say(f"wrote {len(written)} pictures, {written[0]} to {written[-1].name}")
+
+
+def _list(screen: Screen) -> None:
+    """Every lecture on a line."""
+    from .. import lectures
+
+    for name in lectures.names():
+        lecture = lectures.find(name)
+        screen.out.print(f"{name:<10} {lecture.title} ({lecture.minutes:g} minutes)", highlight=False, markup=False)
+
+
+def _outputs(args: argparse.Namespace, screen: Screen) -> list[Path]:
+    """Where to write to, refused before any work if it cannot be; pictures where there is no display."""
+    from ..errors import MissingFileError
+    from ..lectures.runner import check
+    from ..viewer import probe
+
+    outputs: list[Path] = args.output
+    if not outputs and not probe.has_display():
+        screen.say("there is no display; writing a page instead")
+        outputs = [Path(f"{Path(args.name).stem}_lecture.html")]
+    for path in outputs:
+        check(path)
+        if not path.parent.is_dir():
+            raise MissingFileError(f"cannot write {path}: there is no folder {path.parent}; make it first")
+    if any(path.suffix.lower() != ".html" for path in outputs):
+        probe.require("off-screen")
+    return outputs
+
+
+def _copy(name: str, path: Path) -> None:
+    """The file of a lecture, to be changed.
+
+    Raises
+    ------
+    FileFormatError
+        Not a .py, or one that is there already.
+    """
+    from .. import lectures
+    from ..errors import FileFormatError
+    from ..files.atomic import write_bytes
+
+    if path.suffix != ".py":
+        raise FileFormatError(f"{path}: a lecture is a Python file; give it the suffix .py")
+    if path.exists():
+        raise FileFormatError(f"{path} is there already, and is left as it is; give another name")
+    lectures.find(name)
+    source = Path(lectures.__file__ or "").parent / f"{name}.py" if name in lectures.names() else Path(name)
+    write_bytes(path, source.read_bytes())

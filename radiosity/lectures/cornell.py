@@ -4,13 +4,12 @@ A lecture is this file: copy it, change words, add a `Step`, and run it with ``r
 """
 
 import radiosity as rad
+from radiosity.lectures import Lecture, Step
 
-from .lecture import Lecture, Step
 
-
-def solve() -> rad.Solution:
-    """The box with red and green walls, 6 000 patches, ten bounces."""
-    return rad.solve(rad.scenes.cornell_box(), patch_count=6_000, estimator=rad.MonteCarlo(rays=1024), bounces=10)
+def solve(patch_count: int = 6_000) -> rad.Solution:
+    """The box with red and green walls, ten bounces."""
+    return rad.solve(rad.scenes.cornell_box(), patch_count=patch_count, estimator=rad.MonteCarlo(rays=1024), bounces=10)
 
 
 LECTURE = Lecture(
@@ -36,8 +35,8 @@ LECTURE = Lecture(
         Step(
             title="No bounce: Lₑ",
             text="""
-                The first term is the lamp alone. Nothing has been lit by anything: an emitter in a black room, and
-                so the term and the sum are one picture.
+                The first term is the lamp alone. Nothing has been lit by anything: an emitter in a black room, and so
+                the term and the sum are one picture.
             """,
             show={"order": 0},
             minutes=1,
@@ -58,8 +57,8 @@ LECTURE = Lecture(
         Step(
             title="Two bounces",
             text="""
-                Floor and walls are lit now, and they are lamps for the next bounce. Light that left the lamp, met
-                one surface and then another, is T² Lₑ.
+                Floor and walls are lit now, and they are lamps for the next bounce. Light that left the lamp, met one
+                surface and then another, is T² Lₑ.
             """,
             show={"order": 1},
             question="And the ceiling now?",
@@ -76,8 +75,8 @@ LECTURE = Lecture(
             """,
             show={"order": 1, "normalised": True},
             question="After one more bounce, which faces of the white blocks turn red, which green?",
-            answer="""Those that look at the red wall and at the green wall. This is colour bleeding, and a picture
-                of direct light alone lacks it.""",
+            answer="""Those that look at the red wall and at the green wall. This is colour bleeding, and a picture of
+                direct light alone lacks it.""",
             reveal={"order": 2},
             minutes=2,
         ),
@@ -102,8 +101,8 @@ LECTURE = Lecture(
             """,
             show={"order": 8},
             question="How many bounces would you compute for a picture?",
-            answer="""Step with the arrow keys and watch the sum on the right: after five or six bounces the eye sees no
-                change, though a light meter would.""",
+            answer="""Step with the arrow keys and watch the sum on the right: after five or six bounces the eye sees
+                no change, though a light meter would.""",
             reveal={"order": 5},
             minutes=2,
         ),

@@ -15,6 +15,10 @@ from ..errors import ParameterError
 from ..solution import Solution
 from ..viewer.state import ViewState
 
+Solved = Solution | Mapping[str, Solution]
+VIEW = frozenset(ViewState.__dataclass_fields__) - {"last"}
+BESIDES = frozenset({"scene", "beside", "figure", "pick", "pick_other", "camera", "titles"})
+
 
 @dataclass(frozen=True)
 class Step:
@@ -24,15 +28,30 @@ class Step:
     ----------
     title : str
     text : str
-        What is to be said. Indentation of the source is removed; an empty line begins a paragraph.
+        What is to be said. Indentation of the source is removed; an empty line begins a paragraph. ``{name}`` and
+        ``{name:.0%}`` stand for what the lecture's `numbers` gives, in Python's format; a brace itself is written
+        ``{{``.
     show : mapping
-        Fields of `ViewState`, such as ``{"order": 1, "normalised": True}``; the rest is as the viewer begins.
+        Fields of `ViewState`, such as ``{"order": 1, "normalised": True}``; the rest is as the viewer begins. And:
+
+        ``"scene"``
+            which of the lecture's solutions, if it has several; else the first;
+        ``"beside"``
+            another solution on the same patches, all of whose light stands in the left pane instead of one bounce;
+        ``"figure"``
+            a function from what `solve` returned to a matplotlib figure, which stands in the left pane;
+        ``"pick"``, ``"pick_other"``
+            places (x, y, z) in metres: the patch whose middle is nearest is picked;
+        ``"camera"``
+            a `radiosity.Camera` instead of a preset;
+        ``"titles"``
+            (left, right), words above the panes instead of the terms of the series; an empty one changes nothing.
     question : str
         Asked, under the text, before the answer is shown. Empty: nothing is asked.
     answer : str
         Shown on the next key.
     reveal : mapping
-        Fields of `ViewState` that change with the answer.
+        What changes with the answer; as `show`.
     minutes : float
         How long the step takes in class.
     """
@@ -50,37 +69,44 @@ class Step:
             raise ParameterError(f"step {self.title!r} needs a question and an answer, or neither")
         if self.reveal and not self.question:
             raise ParameterError(f"step {self.title!r} reveals something, but asks nothing")
-        fields = set(ViewState.__dataclass_fields__) - {"last"}
-        if unknown := sorted((set(self.show) | set(self.reveal)) - fields):
+        if unknown := sorted((set(self.show) | set(self.reveal)) - VIEW - BESIDES):
             raise ParameterError(
-                f"step {self.title!r} shows {', '.join(unknown)}; a view has {', '.join(sorted(fields))}"
+                f"step {self.title!r} shows {', '.join(unknown)}; a step can show {', '.join(sorted(VIEW | BESIDES))}"
             )
 
     @property
     def paragraphs(self) -> list[str]:
-        """The text, one line a paragraph. No-break spaces stay."""
-        parts = textwrap.dedent(self.text).split("\n\n")
-        return [re.sub(r"[ \t\n]+", " ", part).strip() for part in parts if part.strip()]
+        """The text, one line a paragraph, as it was written. No-break spaces stay."""
+        return paragraphs(self.text)
+
+
+def paragraphs(text: str) -> list[str]:
+    """A text of a lecture's file as lines, one a paragraph."""
+    parts = textwrap.dedent(text).split("\n\n")
+    return [re.sub(r"[ \t\n]+", " ", part).strip() for part in parts if part.strip()]
 
 
 @dataclass(frozen=True)
 class Lecture:
-    """A talk through one solution.
+    """A talk through the light of one or several scenes.
 
     Attributes
     ----------
     name : str
         What the command line calls it.
     title : str
-    solve : callable () -> Solution
-        Computes what is shown.
+    solve : callable () -> Solution, or mapping of str to Solution
+        Computes what is shown. If it takes ``patch_count``, the command line can ask for fewer or more patches.
     steps : tuple of Step
+    numbers : callable, optional
+        From what `solve` returned to the numbers that stand in the texts, by name.
     """
 
     name: str
     title: str
-    solve: Callable[[], Solution]
+    solve: Callable[..., Solved]
     steps: tuple[Step, ...]
+    numbers: Callable[[Any], Mapping[str, Any]] | None = None
 
     def __post_init__(self) -> None:
         if not self.steps:
@@ -136,10 +162,14 @@ class Place:
         before = replace(self, number=self.number - 1)
         return replace(before, revealed=bool(before.step.question))
 
+    @property
+    def shown(self) -> dict[str, Any]:
+        """What the step says is shown here."""
+        return {**self.step.show, **(self.step.reveal if self.revealed else {})}
+
     def view(self, begin: ViewState) -> ViewState:
-        """What is shown here; `begin` is the view that the viewer begins with."""
-        changes = {**self.step.show, **(self.step.reveal if self.revealed else {})}
-        return replace(begin, **changes)
+        """What the panes show here; `begin` is the view that the viewer begins with."""
+        return replace(begin, **{name: value for name, value in self.shown.items() if name in VIEW})
 
     @property
     def minutes_before(self) -> float:

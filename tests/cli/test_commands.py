@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import radiosity as rad
 from radiosity.cli import main
@@ -127,7 +128,46 @@ def test_scenes_are_listed_and_written(place, capsys):
 
 def test_lectures_are_listed(capsys):
     assert main(["lecture"]) == 0
-    assert capsys.readouterr().out.startswith("cornell ")
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 10
+    assert lines[0].startswith("equation ")
+
+
+def test_a_teacher_copies_a_lecture_adds_a_step_and_hands_it_out(place, capsys):
+    assert main(["lecture", "dome", "--copy", "mine.py"]) == 0
+    assert main(["lecture", "dome", "--copy", "mine.py"]) == 2
+    assert "is there already, and is left as it is" in capsys.readouterr().err
+    mine = place / "mine.py"
+    step = 'steps=(\n        Step(title="Mine", text="Of {patches} patches.", show={"scene": "white"}, minutes=9),'
+    mine.write_text(mine.read_text(encoding="utf-8").replace("steps=(", step, 1), encoding="utf-8")
+    assert main(["lecture", "mine.py", "--patches", "200", "-o", "mine.html"]) == 0
+    page = (place / "mine.html").read_text(encoding="utf-8")
+    assert "<h2>Mine</h2><p>Of 320 patches.</p>" in page
+    assert "wrote mine.html" in capsys.readouterr().err
+
+
+# What is looked at
+
+
+def test_export_writes_what_is_looked_at(place, capsys):
+    words = ["export", "furnace", "--patches", "24", "--bounces", "2", "-o", "box.html", "-o", "box.glb"]
+    assert main([*words, "--order", "2", "--exposure", "1", "--title", "An oven", "--caption", "It glows."]) == 0
+    page = (place / "box.html").read_text(encoding="utf-8")
+    assert "<h1>An oven</h1>" in page
+    assert '<p id="caption">It glows.</p>' in page
+    assert '"begin":{"k":2,"ev":1.0' in page
+    assert (place / "box.glb").read_bytes()[:4] == b"glTF"
+    assert len(capsys.readouterr().err.splitlines()) == 2
+
+
+@needs_gl
+def test_export_writes_contact_sheet_and_film(place):
+    words = ["export", "furnace", "--patches", "24", "--bounces", "2", "-q"]
+    assert main([*words, "-o", "sheet.png", "--sheet"]) == 0
+    assert main([*words, "-o", "box.png", "-o", "box.gif", "--normalised"]) == 0
+    with Image.open(place / "sheet.png") as sheet, Image.open(place / "box.gif") as film:
+        assert sheet.width > sheet.height
+        assert film.n_frames == 3
 
 
 # Pictures

@@ -107,7 +107,16 @@ def test_words_that_make_no_sense(words, said, capsys):
         (["solve", "furnace", "--method", "hemicube", "--resolution", "3"], "resolution is 3; give an even number"),
         (["solve", "furnace", "--lamp", "sun=3"], "no surface or material is named 'sun'; there are 'floor'"),
         (["view", "furnace", "--screenshot", "a.jpg"], "'.jpg' is not written here; choose from .png"),
-        (["lecture", "sleep"], "there is no lecture 'sleep'; there are cornell"),
+        (["lecture", "sleep"], "there is no lecture 'sleep'; there are equation, dome, cornell"),
+        (["lecture", "cornell", "-o", "talk.pdf"], "a lecture is written as .html, as .png"),
+        (["lecture", "cornell", "-o", "none/talk.html"], "there is no folder none; make it first"),
+        (["lecture", "cornell", "--copy", "talk.txt"], "a lecture is a Python file; give it the suffix .py"),
+        (
+            ["export", "furnace", "-o", "box.npz"],
+            "'.npz' is not written here; choose from .png, .gif",
+        ),
+        (["export", "furnace", "-o", "box.glb", "--sheet"], "--sheet is for .png"),
+        (["export", "furnace", "-o", "box.glb", "--title", "A box"], "--title is for .html"),
     ],
 )
 def test_what_cannot_be_done_is_one_line_and_exit_code_2(words, said, tmp_path, monkeypatch, capsys):

@@ -8,9 +8,10 @@ import pytest
 from PIL import Image
 
 import radiosity as rad
-from radiosity.errors import ParameterError
-from radiosity.lectures import Lecture, LectureWindow, Place, Step, export, find, names
-from radiosity.lectures.runner import wrap
+from radiosity.display import tone_map
+from radiosity.errors import FileFormatError, ParameterError
+from radiosity.lectures import Lecture, LectureWindow, Place, Step, Talk, export, nearest, plot, with_orders
+from radiosity.lectures.window import wrap
 from radiosity.viewer.state import ViewState
 
 STEPS = (
@@ -56,7 +57,7 @@ def test_paragraphs_are_plain_text() -> None:
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"show": {"colour": 1}}, "shows colour; a view has backs"),
+        ({"show": {"colour": 1}}, "shows colour; a step can show backs"),
         ({"question": "Why?"}, "a question and an answer, or neither"),
         ({"reveal": {"order": 1}}, "reveals something, but asks nothing"),
     ],
@@ -66,28 +67,66 @@ def test_mistakes_in_a_lecture_are_named(fields: dict, message: str) -> None:
         Step("step", "text", **fields)
 
 
-def test_every_lecture_of_the_package_can_be_found() -> None:
-    assert "cornell" in names()
-    for name in names():
-        lecture = find(name)
-        assert lecture.name == name
-        assert lecture.minutes > 0
+# Words with numbers, and several solutions ---------------------------------------------------------------------------
 
 
-def test_a_copy_of_a_lecture_is_a_lecture(tmp_path: Path) -> None:
-    """What a teacher does first."""
-    source = Path(rad.__file__).parent / "lectures" / "cornell.py"
-    mine = tmp_path / "mine.py"
-    mine.write_text(source.read_text(encoding="utf-8").replace("A room and its equation", "My room"), encoding="utf-8")
-    assert find(str(mine)).steps[0].title == "My room"
+def talk(solved, *steps: Step, numbers=None) -> Talk:
+    return Talk(Lecture("talk", "A talk", lambda: None, steps, numbers=numbers), solved)
 
 
-def test_unknown_lectures_are_named(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match=r"no lecture 'physics'; there are cornell"):
-        find("physics")
-    (tmp_path / "empty.py").write_text("")
-    with pytest.raises(ParameterError, match="holds no lecture"):
-        find(str(tmp_path / "empty.py"))
+def test_numbers_of_the_solution_stand_in_the_text(solution: rad.Solution) -> None:
+    step = Step("Of {count}", "Half is {half:.0%}.", question="{{braces}}?", answer="{count:,} patches")
+    numbers = lambda solved: {"count": len(solved.patches), "half": 0.5}  # noqa: E731
+    words = talk(solution, step, numbers=numbers).words(Place(Lecture("t", "t", lambda: None, (step,))))
+    count = len(solution.patches)
+    assert (words.title, words.text) == (f"Of {count}", ["Half is 50%."])
+    assert (words.question, words.answer) == (["{braces}?"], [f"{count:,} patches"])
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (Step("s", "{nothing}"), r"'s' has \{nothing\} in its text; the lecture's numbers are half"),
+        (Step("s", "{half:.1q}"), r"'s': its text has braces that are no number"),
+        (Step("s", "{"), r"'s': its text has braces that are no number"),
+        (Step("s", "", {"scene": "cellar"}), "'s' shows 'cellar'; the lecture has solved scene"),
+        (Step("s", "", {"beside": "attic"}), "'s' shows 'attic'; the lecture has solved scene"),
+        (Step("s", "", {"pick": (1, 2)}), r"'s': pick is \(1, 2\); give x, y, z in metres"),
+    ],
+)
+def test_what_a_lecture_does_not_have_is_named_before_it_begins(solution, step: Step, message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        talk(solution, step, numbers=lambda _: {"half": 0.5})
+
+
+def test_light_beside_must_be_on_the_same_patches(solution: rad.Solution) -> None:
+    other = rad.solve(rad.scenes.furnace(), patch_count=24, bounces=1)
+    with pytest.raises(ParameterError, match=r"'other' \(24 patches\) beside a scene of"):
+        talk({"box": solution, "other": other}, Step("s", "", {"beside": "other"}))
+
+
+def test_a_place_picks_the_nearest_patch(solution: rad.Solution) -> None:
+    step = Step("s", "", {"pick": (0.1, 0.0, 0.5), "pick_other": (0.1, 0.5488, 0.5)})
+    one = talk(solution, step)
+    view = one.view(Place(one.lecture), ViewState(last=3))
+    names_of = solution.patches.surface_names
+    assert [names_of[solution.patches.surface[i]] for i in (view.picked, view.other)] == ["floor", "ceiling"]
+    assert view.picked == nearest(solution, (0.1, 0.0, 0.5))
+
+
+def test_fewer_patches_only_where_the_lecture_takes_them() -> None:
+    with pytest.raises(ParameterError, match="its function solve takes no patch_count"):
+        Talk.prepare(LECTURE, 100)
+
+
+def test_light_of_other_origin_is_shown_as_a_solution(solution: rad.Solution) -> None:
+    assert solution.orders is not None
+    half = with_orders(solution, solution.orders / 2, "half as much")
+    np.testing.assert_allclose(half.radiosity, solution.orders.sum(axis=0) / 2)
+    assert half.patches is solution.patches
+    assert half.status == "half as much"
+    with pytest.raises(ParameterError, match="orders have shape"):
+        with_orders(solution, solution.orders[:, 1:])
 
 
 def test_lines_fit_the_column() -> None:
@@ -104,7 +143,7 @@ def test_lines_fit_the_column() -> None:
 
 @pytest.mark.usefixtures("gl")
 def test_the_window_follows_the_lecture(solution: rad.Solution) -> None:
-    window = LectureWindow(LECTURE, solution, off_screen=True, size=(800, 450))
+    window = LectureWindow(Talk(LECTURE, solution), off_screen=True, size=(800, 450))
     words = lambda: (window.heading.actor.GetInput(), window.question.actor.GetInput(), window.state.order)  # noqa: E731
     seen = [words()]
     for key in ("Next", "Return", "Next", "Next", "Prior", "BackSpace"):
@@ -129,7 +168,7 @@ def test_the_window_follows_the_lecture(solution: rad.Solution) -> None:
 
 @pytest.mark.usefixtures("gl")
 def test_export_writes_each_step_and_each_answer(solution: rad.Solution, tmp_path: Path) -> None:
-    written = export(LECTURE, tmp_path / "slides", solution, size=(800, 450))
+    written = export(Talk(LECTURE, solution), tmp_path / "slides", size=(800, 450))
     assert [path.name for path in written] == ["01.png", "02.png", "02_answer.png", "03.png"]
     images = []
     for path in written:
@@ -138,3 +177,57 @@ def test_export_writes_each_step_and_each_answer(solution: rad.Solution, tmp_pat
     assert all(image.shape == (450, 800, 3) for image in images)
     for one, next_one in pairwise(images):
         assert np.mean(np.any(one != next_one, axis=-1)) > 0.01
+
+
+@pytest.mark.usefixtures("gl")
+def test_the_window_goes_from_scene_to_scene(solution: rad.Solution) -> None:
+    """Another scene, other light beside it, a plot: and back again, as it was."""
+    assert solution.orders is not None
+    dim = with_orders(solution, solution.orders / 4)
+    furnace = rad.solve(rad.scenes.furnace(), patch_count=24, bounces=3)
+    steps = (
+        Step("box", "", {"order": 2}),
+        Step("cube", "", {"scene": "cube", "order": 3}),
+        Step("dim", "", {"beside": "dim", "order": 2, "titles": ("a quarter", "")}),
+        Step("plot", "", {"figure": lambda _: plot("x", "y")[0]}),
+    )
+    lecture = talk({"box": solution, "cube": furnace, "dim": dim}, *steps)
+    window = LectureWindow(lecture, off_screen=True, size=(800, 450))
+    seen = []
+    for key in ("", "Next", "Next", "Next", "Prior", "Prior", "Prior"):
+        window.press(key)
+        picture = window.panes["order"].flat.cell_data["rgb"].copy()
+        seen.append((len(window.solution.patches), window.state.order, window.inspector.raster.actor.GetVisibility()))
+        if window.place.number == 2:
+            light = solution.orders[:3].sum(axis=0) / 4 * window.series.factor(window.state, "sum")
+            np.testing.assert_allclose(picture, tone_map(light), atol=1)
+            assert window.titles["order"][0].actor.GetInput() == "a quarter"
+    box, cube = len(solution.patches), len(furnace.patches)
+    there = [(box, 2, 0), (cube, 3, 0), (box, 2, 0), (box, 1, 1)]
+    assert seen == [*there, *there[-2::-1]]
+    window.press("Right")
+    assert window.state.order == 3  # one key, one step: nobody listens twice
+    window.close()
+
+
+@pytest.mark.usefixtures("gl")
+def test_long_texts_shrink_until_they_fit(solution: rad.Solution) -> None:
+    long = talk(solution, Step("short", "Few words."), Step("long", "Many words. " * 120))
+    window = LectureWindow(long, off_screen=True, size=(1200, 675))
+    sizes = []
+    for key in ("", "Next"):
+        window.press(key)
+        sizes.append(window.body.property.GetFontSize())
+    window.close()
+    assert sizes[1] < 0.85 * sizes[0]
+
+
+@pytest.mark.usefixtures("gl")
+def test_slides_can_have_a_name(solution: rad.Solution, tmp_path: Path) -> None:
+    written = export(talk(solution, *STEPS[:1]), tmp_path / "box.png", size=(400, 225))
+    assert [path.name for path in written] == ["box_01.png"]
+
+
+def test_a_lecture_is_written_as_what_it_can_be(solution: rad.Solution, tmp_path: Path) -> None:
+    with pytest.raises(FileFormatError, match=r"written as \.html, as \.png"):
+        export(talk(solution, *STEPS[:1]), tmp_path / "box.pdf")

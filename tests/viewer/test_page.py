@@ -11,8 +11,13 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.viewer import page
-from radiosity.viewer.state import Series, ViewState, picture, start
+from radiosity import display
+from radiosity.errors import ParameterError
+from radiosity.shortcuts import ALL
+from radiosity.viewer import page, page_data
+from radiosity.viewer.inspect import HemicubeView
+from radiosity.viewer.mesh import corner_weights
+from radiosity.viewer.state import Series, ViewState, coloured, picture, start
 from tests.viewer.browser import Browser, find_browser
 
 needs_browser = pytest.mark.skipif(find_browser() is None, reason="no Chromium is installed")
@@ -77,11 +82,13 @@ def test_packed_integers_are_small_and_whole() -> None:
     """Unpacked here as data.js unpacks: byte planes, sign in the lowest bit, running sum."""
     rng = np.random.default_rng(3)
     numbers = np.cumsum(rng.integers(-5, 6, size=(3, 1000)), axis=1) - 70_000
-    planes = np.frombuffer(gzip.decompress(base64.b64decode(page.pack(numbers))), np.uint8).reshape(-1, numbers.size)
+    planes = np.frombuffer(gzip.decompress(base64.b64decode(page_data.pack(numbers))), np.uint8).reshape(
+        -1, numbers.size
+    )
     folded = sum(plane.astype(np.int64) << (8 * byte) for byte, plane in enumerate(planes))
     steps = np.where(folded & 1, -(folded >> 1) - 1, folded >> 1)
     assert np.array_equal(np.cumsum(steps.reshape(3, 1000), axis=1), numbers)
-    assert len(page.pack(numbers)) < numbers.size  # less than a quarter of their four bytes each
+    assert len(page_data.pack(numbers)) < numbers.size  # less than a quarter of their four bytes each
 
 
 def test_light_is_stored_to_a_third_of_a_per_cent() -> None:
@@ -90,11 +97,13 @@ def test_light_is_stored_to_a_third_of_a_per_cent() -> None:
     planes[1] = 0.0
     planes[2, :1000] = 0.0
     top = planes.max(axis=1)
-    codes = page.light_codes(planes, top)
+    codes = page_data.light_codes(planes, top)
     assert codes.min() == 0
-    assert codes.max() == page.LEVELS
-    back = np.where(codes > 0, top[:, None] * 2.0 ** (page.STOPS * ((codes - 1) / (page.LEVELS - 1) - 1)), 0.0)
-    stored = planes > top[:, None] * 2.0**-page.STOPS
+    assert codes.max() == page_data.LEVELS
+    back = np.where(
+        codes > 0, top[:, None] * 2.0 ** (page_data.STOPS * ((codes - 1) / (page_data.LEVELS - 1) - 1)), 0.0
+    )
+    stored = planes > top[:, None] * 2.0**-page_data.STOPS
     assert np.abs(back[stored] / planes[stored] - 1).max() < 0.0035
     assert back[~stored & (planes <= 0)].max(initial=0) == 0
 
@@ -168,6 +177,109 @@ def test_pixels_are_the_tone_mapped_values_of_the_solver(browser, file, series, 
 
 
 @needs_browser
+@pytest.mark.parametrize("number", range(len(ALL)))
+def test_wrong_pictures_are_those_of_the_shortcuts(browser, file, solution, series, number) -> None:
+    """Labelled WRONG, with the equation, the sentence and how far off they are; beside all the light there is."""
+    browser.size(1000, 640)
+    browser.open(file, f"#wrong={number}&ev=1")
+    light = ALL[number].radiosity(solution.patches, solution.factors, solution.radiosity)
+    state = view_state(browser, series.last)
+    assert state.order == series.last
+    pixels, patches = pixels_and_patches(browser, "order")
+    expected = coloured(series, state, "sum", display.as_rgb(light).astype(np.float32))[patches].astype(int)
+    assert np.abs(pixels - expected).max() <= 2
+    assert browser.run("document.querySelector('.title.wrong .formula').textContent") == "WRONG"
+    words = browser.run("document.getElementById('wrong').innerText")
+    truth, wrong = (display.luminance(display.as_rgb(values)) for values in (solution.radiosity, light))
+    off = np.average(np.abs(wrong - truth) / truth, weights=solution.patches.area)
+    assert f"WRONG: {ALL[number].name}" in words
+    assert ALL[number].sentence in words
+    assert f"Off by {100 * off:.0f}" in words
+    assert browser.run("document.getElementById('equation').naturalWidth") > 100
+    browser.key("d")
+    pixels, patches = pixels_and_patches(browser, "order")
+    expected = display.diverging_colours((wrong - truth) / truth, 1.0)[patches].astype(int)
+    assert np.abs(pixels - expected).max() <= 3  # stored light is 0.3 % off, which is 0.7 of 255 steps of the scale
+    assert browser.complaints == []
+
+
+@needs_browser
+def test_darker_paint_is_what_the_solver_finds_for_it(shown: Browser, solution: rad.Solution, series: Series) -> None:
+    """T^k E with all reflectances times s is s^k T^k E: the slider solves nothing, and is right."""
+    x, y, width, height = shown.box("#paint")
+    shown.mouse((x + width / 2, y + height / 2))
+    paint = shown.run("viewer.state.paint")
+    assert 0.4 < paint < 0.6
+    darker = solution.relight(reflectance=paint * solution.patches.reflectance)
+    pixels, patches = pixels_and_patches(shown, "sum")
+    light = darker.orders[: shown.run("viewer.state.k") + 1].sum(axis=0)
+    expected = display.tone_map(light, series.common)[patches].astype(int)
+    assert np.abs(pixels - expected).max() <= 2
+
+
+@needs_browser
+def test_smooth_light_is_that_of_the_window(shown: Browser, solution: rad.Solution, series: Series) -> None:
+    found = np.array(shown.run("Array.from(atCorners(scene, scene.sums[3]))")).reshape(-1, 3)
+    expected = corner_weights(solution.patches) @ series.sums[3]
+    np.testing.assert_allclose(found[: len(expected)], expected, rtol=0.004, atol=1e-4 * expected.max())
+
+
+@needs_browser
+def test_what_a_patch_sees_is_its_hemicube(shown: Browser, solution: rad.Solution) -> None:
+    """The graphics card draws the item buffer that the solver's hemicube traces."""
+    ceiling = np.flatnonzero(solution.patches.surface == solution.patches.surface_names.index("ceiling"))
+    patch = int(ceiling[len(ceiling) // 3])
+    shown.run(f"viewer.set({{ left: 'sees', picked: {patch} }})")
+    _, _, width, height = (round(v) for v in shown.box("canvas"))
+    width //= 2
+    seen = np.array(shown.run("Array.from(viewer.patchesOf('order'))")).reshape(height, width)[::-1]
+    quarter = min(width, height) // 4
+    x, y = width // 2, height - height // 2
+    seen = seen[y - 2 * quarter : y + 2 * quarter, x - 2 * quarter : x + 2 * quarter]
+    traced = np.maximum(HemicubeView.of(solution.patches, patch, 2 * quarter).cross(), -1)
+    assert len(np.unique(traced)) > 100
+    assert np.mean(seen == traced) > 0.97
+
+
+@needs_browser
+def test_a_click_into_what_a_patch_sees_goes_there(shown: Browser, solution: rad.Solution) -> None:
+    """The recursion of the rendering equation, walked by hand."""
+    shown.run("viewer.set({ left: 'sees', picked: 0 })")
+    x, y, width, height = shown.box("canvas")
+    middle = (x + width / 4, y + height / 2)
+    here = [0]
+    for _ in range(3):
+        shown.mouse(middle)
+        here.append(shown.run("viewer.state.picked"))
+    normal = solution.patches.normal[here]
+    assert all(here[i] != here[i + 1] for i in range(3))
+    assert all(normal[i] @ normal[i + 1] < 0.5 for i in range(3))  # straight ahead of a wall is another one
+    assert f"what patch {here[-1]} sees" in shown.run("document.querySelector('.formula').textContent")
+    shown.mouse((x + 3, y + 3))  # where nothing is drawn
+    assert shown.run("viewer.state.picked") == here[-1]
+
+
+@needs_browser
+def test_a_page_begins_as_it_is_told(browser: Browser, solution: rad.Solution, tmp_path: Path) -> None:
+    settings = {"order": 3, "exposure": 1.5, "tone": "linear", "picked": 7, "left": "hemicube"}
+    browser.open(page.write_page(solution, tmp_path / "box.html", wrong=False, title="A box", **settings))
+    state = browser.run("viewer.state")
+    assert (state["k"], state["ev"], state["tone"], state["picked"], state["left"]) == (3, 1.5, "linear", 7, "sees")
+    assert browser.run("document.querySelector('h1').textContent") == "A box"
+    assert browser.run("[...document.getElementById('left').options].length") == 2  # no shortcuts are inside
+    browser.key("x")
+    assert browser.run("viewer.state.left") == "sees"
+    assert browser.complaints == []
+
+
+def test_what_a_page_cannot_show_is_refused(solution: rad.Solution) -> None:
+    with pytest.raises(ParameterError, match="a page cannot show wireframe; it can"):
+        page.page(solution, wrong=False, wireframe=True)
+    with pytest.raises(ParameterError, match="left pane of a page cannot show 'matrix'; it can order, hemicube, wrong"):
+        page.page(solution, wrong=False, left="matrix")
+
+
+@needs_browser
 def test_bounce_slider_acts_while_it_is_dragged(shown: Browser, series: Series) -> None:
     x, y, width, height = shown.box("#k")
     thumb = [x + 8 + (width - 16) * k / series.last for k in range(series.last + 1)]
@@ -185,7 +297,7 @@ def test_exposure_slider(shown: Browser) -> None:
     before = shown.image()
     x, y, width, height = shown.box("#ev")
     middle = x + 8 + (width - 16) / 3
-    shown.mouse((middle, y + height / 2), (middle + width / 9, y + height / 2))
+    shown.mouse((middle, y + height / 2), (middle + (width - 16) / 9, y + height / 2))
     assert shown.run("viewer.state.ev") == pytest.approx(2.0, abs=0.3)
     assert "exposure +" in shown.run("document.querySelectorAll('.note')[1].textContent")
     assert shown.image().astype(int).mean() > before.astype(int).mean() + 3
@@ -198,7 +310,9 @@ def test_every_key(shown: Browser, series: Series) -> None:
         ("ArrowLeft", "k", series.last - 1), ("Home", "k", 0),
         ("ArrowUp", "ev", 0.5), ("ArrowDown", "ev", 0), ("ArrowDown", "ev", -0.5), ("0", "ev", 0),
         ("n", "normalised", True), ("t", "tone", "linear"), ("m", "markClipped", True), ("f", "falseColour", True),
-        ("c", "camera", 1), ("v", "show", "order"), ("v", "show", "sum"), ("v", "show", "both"),
+        ("s", "smooth", True), ("x", "left", "wrong"), ("x", "wrong", 1), ("d", "difference", True),
+        ("g", "left", "sees"), ("g", "left", "order"), ("c", "camera", 1),
+        ("v", "show", "order"), ("v", "show", "sum"), ("v", "show", "both"),
     ]:  # fmt: skip
         shown.key(key)
         assert shown.run("viewer.state")[name] == value, key
@@ -212,7 +326,8 @@ def test_every_key(shown: Browser, series: Series) -> None:
 def test_controls_do_what_the_keys_do(shown: Browser) -> None:
     for selector, name, value in [
         ("#on", "k", 2), ("#back", "k", 1), ("#normalised", "normalised", True), ("#falseColour", "falseColour", True),
-        ("#markClipped", "markClipped", True), ("#camera", "camera", 1), ("#play", "playing", True),
+        ("#markClipped", "markClipped", True), ("#smooth", "smooth", True), ("#camera", "camera", 1),
+        ("#play", "playing", True),
     ]:  # fmt: skip
         x, y, width, height = shown.box(selector)
         shown.mouse((x + width / 2, y + height / 2))

@@ -1,54 +1,25 @@
 // The page: one state, drawn; controls, keys and gestures only change the state.
 
 const $ = (id) => document.getElementById(id);
-const meta = JSON.parse($("data").textContent);
+const data = JSON.parse($("data").textContent);
 const narrow = matchMedia("(max-width: 820px)");
 const EXPOSURES = [-6, 12];
 const PLAY_MILLISECONDS = 700;
-const state = {
-  k: Math.min(1, meta.orders - 1), ev: 0, show: narrow.matches ? "sum" : "both", tone: "reinhard",
-  normalised: false, falseColour: false, markClipped: false, playing: false, camera: 0, picked: -1,
+const NEUTRAL = {
+  scene: 0, k: 1, ev: 0, paint: 1, left: "order", wrong: 0, difference: false, beside: 0, colours: 0, figure: 0, titles: ["", ""],
+  tone: "reinhard", normalised: false, falseColour: false, markClipped: false, smooth: false, playing: false, camera: 0, picked: -1,
 };
-const viewer = (window.viewer = { state, set, meta });
-let scene, painter, camera, radius, timer;
-
-const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
-const digits = (x) => (x === 0 ? "0" : x.toPrecision(3).replace(/e\+?(-?\d+)/, " × 10^$1"));
-const triple = (values) => (meta.channels === 1 ? digits(values[0]) : [...values].map(digits).join(" / "));
-const signed = (x) => (x < -0.049 ? "−" : "+") + Math.abs(x).toFixed(1) + " EV";
-const inWords = (k) => ["light the lamps emit", "direct light", "bounced twice"][k] || `bounced ${k} times`;
-
-// The exposure factor of a pane; the same rule as `Series.factor`.
-function factorOf(pane) {
-  const own = state.normalised && pane === "order" ? meta.own[state.k] : 1;
-  return meta.common * 2 ** state.ev * own;
-}
-const scaleOf = (pane) => (state.normalised && pane === "order" ? meta.ownScales[state.k] : meta.scale);
-
-function noteOf(pane) {
-  if (state.falseColour) return "luminance of radiosity B, W/m²";
-  if (pane === "order" && !(meta.power[state.k].some((p) => p > 0))) return "no light of this order";
-  const parts = [];
-  if (state.normalised && pane === "order") parts.push(`×${Number(meta.own[state.k].toPrecision(3))}, ${signed(Math.log2(meta.own[state.k]))}`);
-  if (state.ev) parts.push(`exposure ${signed(state.ev)}`);
-  return parts.join(" · ") || "common exposure";
-}
-
-function panes() {
-  const shown = state.show === "both" ? ["order", "sum"] : [state.show];
-  const { width, height } = $("canvas"), each = Math.floor(width / shown.length);
-  const linear = state.markClipped ? 2 : 1;
-  return shown.map((pane, i) => ({
-    pane, box: [i * each, 0, each, height], layer: (pane === "sum" ? painter.layers : 0) + state.k,
-    tone: state.falseColour ? 3 : state.tone === "linear" ? linear : 0, factor: factorOf(pane), scale: scaleOf(pane),
-  }));
-}
+const state = { ...NEUTRAL, show: narrow.matches && !data.talk ? "sum" : "both" };
+const viewer = (window.viewer = { state, set, data });
+let scenes, scene, shortcuts = [], plates = [], figures = [], painter, camera, radius, timer;
 
 function draw() {
   const canvas = $("canvas"), ratio = Math.min(devicePixelRatio || 1, 2);
   const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-  painter.draw(panes(), camera, radius);
+  const shown = panes();
+  painter.draw(shown, camera, radius);
+  if (state.picked >= 0) for (const pane of shown) if (pane.light && pane.sees === undefined) painter.outline(pane, camera, radius, state.picked);
 }
 
 let waiting = false;
@@ -60,62 +31,122 @@ function redraw() {
 
 // Changes the state, and everything that shows it.
 function set(change) {
+  if (change.left && change.left !== state.left) {
+    change = { ...(change.left === "order" ? {} : { paint: 1 }), titles: NEUTRAL.titles, ...change };
+    if (narrow.matches && state.show === "sum" && change.left !== "order") change.show = "order";
+  }
+  if (change.paint !== undefined && change.paint !== 1 && ["wrong", "beside"].includes(state.left)) change = { ...change, left: "order", titles: NEUTRAL.titles };
   Object.assign(state, change);
-  state.k = clamp(Math.round(state.k), 0, meta.orders - 1);
+  if (scenes[state.scene] !== scene) enter(scenes[state.scene]);
+  const last = scene.meta.orders - 1;
+  state.k = clamp(Math.round(state.k), 0, last);
   state.ev = clamp(state.ev, ...EXPOSURES);
+  if (state.left === "wrong" && change.left === "wrong" && change.k === undefined) state.k = last; // beside all the light there is
+  if (state.picked >= scene.meta.patches) state.picked = -1;
   if ("camera" in change) useCamera(state.camera);
   if ("playing" in change) play();
   showState();
   redraw();
 }
 
-function play() {
-  clearInterval(timer);
-  if (state.playing) timer = setInterval(() => set({ k: state.k + 1 < meta.orders ? state.k + 1 : 0 }), PLAY_MILLISECONDS);
+// Goes over to another scene of the page.
+function enter(next) {
+  const other = !scene || scene.corners !== next.corners;
+  scene = viewer.scene = next;
+  viewer.meta = next.meta;
+  $("k").max = next.meta.orders - 1;
+  if (!other) return;
+  painter.useScene(next);
+  radius = next.meta.radius;
+  useCamera(state.camera);
 }
 
-function useCamera(number) {
-  const preset = meta.cameras[number % meta.cameras.length];
-  camera = { position: preset.position, target: preset.focal_point, up: preset.up, fov: preset.fov };
+function play() {
+  clearInterval(timer);
+  if (state.playing) timer = setInterval(() => set({ k: state.k + 1 < scene.meta.orders ? state.k + 1 : 0 }), PLAY_MILLISECONDS);
+}
+
+// A preset by its number, or a camera of a lecture's own.
+function useCamera(choice) {
+  const { cameras } = scene.meta, { position, target, up, fov } = typeof choice === "number" ? cameras[choice % cameras.length] : choice;
+  camera = { position: [...position], target: [...target], up: [...up], fov };
 }
 
 function showState() {
   const { k } = state;
   $("k").value = k;
   $("ev").value = state.ev;
+  $("paint").value = state.paint;
   $("k-out").textContent = k;
   $("ev-out").textContent = signed(state.ev);
-  for (const id of ["show", "tone"]) $(id).value = state[id];
-  for (const id of ["normalised", "falseColour", "markClipped"]) $(id).checked = state[id];
+  $("paint-out").textContent = `× ${state.paint.toFixed(2)}`;
+  $("show").value = state.show;
+  $("tone").value = state.tone;
+  $("left").value = state.left === "wrong" ? `wrong ${state.wrong}` : state.left;
+  for (const id of ["normalised", "falseColour", "markClipped", "smooth", "difference"]) $(id).checked = state[id];
+  $("difference").parentElement.hidden = state.left !== "wrong";
   $("play").textContent = state.playing ? "pause" : "play";
   $("play").setAttribute("aria-pressed", state.playing);
   for (const title of document.querySelectorAll(".title")) {
-    const pane = title.dataset.pane;
+    const { pane } = title.dataset, [heading, note] = titleOf(pane);
     title.hidden = state.show !== "both" && state.show !== pane;
-    title.querySelector(".formula").innerHTML = pane === "order"
-      ? `T<sup>${k}</sup> L<sub>e</sub>` : `Σ<sub>j = 0…${k}</sub> T<sup>j</sup> L<sub>e</sub>`;
-    title.querySelector(".note").textContent = noteOf(pane);
+    title.classList.toggle("wrong", pane === "order" && state.left === "wrong");
+    title.querySelector(".formula").innerHTML = heading;
+    title.querySelector(".note").textContent = note;
   }
-  $("canvas").setAttribute("aria-label", `${document.title}; ${state.show === "sum" ? `all light up to bounce ${k}` : `bounce ${k}: ${inWords(k)}`}`);
+  const seen = { wrong: `WRONG: ${shortcuts[state.wrong]?.name}`, sees: `what patch ${state.picked} sees`, figure: "a plot" }[state.left] || `bounce ${k}: ${inWords(k)}`;
+  $("canvas").setAttribute("aria-label", `${document.title}; ${state.show === "sum" ? "" : `${seen}; `}all light up to bounce ${k}`);
+  showFigure();
+  showWrong();
   $("scale").hidden = !state.falseColour;
-  if (state.falseColour) drawScale($("scale").firstElementChild, scaleOf(state.show === "order" ? "order" : "sum"), meta.falseColours);
-  drawPower($("power").querySelector("svg"), meta.power, k, state.picked < 0 ? null : patchByOrder(state.picked));
+  if (state.falseColour) drawScale($("scale").firstElementChild, scaleOf(state.show === "order" ? "order" : "sum"), data.falseColours);
+  const power = scene.meta.power.map((channels, j) => channels.map((p) => p * state.paint ** j));
+  drawPower($("power").querySelector("svg"), power, k, state.picked < 0 ? null : patchByOrder(state.picked));
   showPick();
 }
 
-const patchByOrder = (patch) => scene.orders.map((light) => luminance(light, patch));
-const luminance = (light, i) => 0.2126 * light[3 * i] + 0.7152 * light[3 * i + 1] + 0.0722 * light[3 * i + 2];
+function showFigure() {
+  const shown = state.left === "figure" && state.show !== "sum";
+  $("figure").hidden = !shown;
+  $("figure").style.width = state.show === "both" ? "50%" : "100%";
+  if (shown && $("figure").dataset.number !== String(state.figure)) {
+    const { svg, png, alt } = figures[state.figure];
+    Object.assign($("figure"), { src: png || `data:image/svg+xml,${encodeURIComponent(svg)}`, alt });
+    $("figure").dataset.number = state.figure;
+  }
+}
+
+function showWrong() {
+  $("wrong").hidden = state.left !== "wrong";
+  if (state.left !== "wrong") return;
+  const { name, sentence, equation } = shortcuts[state.wrong];
+  $("wrong-name").textContent = `WRONG: ${name}`;
+  if ($("equation").dataset.number !== String(state.wrong)) {
+    Object.assign($("equation"), { src: `data:image/svg+xml,${encodeURIComponent(equation)}`, alt: `The equation, with what is missing struck out: ${name}` });
+    $("equation").dataset.number = state.wrong;
+  }
+  const legend = state.difference ? " Blue is too dark, orange too bright; full colour at ±100 %." : "";
+  $("wrong-words").textContent = `${sentence} Off by ${percent(scene.meta.wrong.off[state.wrong])} on average.${legend}`;
+}
+
+const patchByOrder = (patch) => painted(scene, state.paint).orders.map((light) => luminance(light, patch));
+const triple = (values) => (values[0] === values[1] && values[1] === values[2] ? digits(values[0]) : [...values].map(digits).join(" / "));
 
 function showPick() {
-  if (state.picked < 0) return;
-  const i = state.picked, at = (light) => light.slice(3 * i, 3 * i + 3);
-  const one = at(scene.orders[state.k]), sum = at(scene.sums[state.k]);
-  $("pick").textContent = [
-    `patch ${i} of ${meta.surfaceNames[scene.surface[i]]}, ${digits(areaOf(scene.corners, i) * 1e4)} cm²`,
-    `bounce ${state.k}: B = ${triple(one)} W/m²`,
+  const i = state.picked;
+  if (i < 0) {
+    $("pick").textContent = "Click a patch to read its light.";
+    return;
+  }
+  const { orders, sums } = painted(scene, state.paint), at = (light) => light.slice(3 * i, 3 * i + 3);
+  const sum = at(sums[state.k]), lines = [
+    `patch ${i} of ${scene.meta.surfaceNames[scene.surface[i]]}, ${digits(areaOf(scene.corners, i) * 1e4)} cm²`,
+    `bounce ${state.k}: B = ${triple(at(orders[state.k]))} W/m²`,
     `up to ${state.k}: B = ${triple(sum)} W/m²`,
-    `L = B / π = ${triple([...sum].map((x) => x / Math.PI))} W/(m² sr)`,
-  ].join("\n");
+    `L = B / π = ${triple(sum.map((x) => x / Math.PI))} W/(m² sr)`,
+  ];
+  if (state.left === "wrong") lines.splice(3, 0, `WRONG: B = ${triple(at(scene.wrong[state.wrong]))} W/m²`);
+  $("pick").textContent = lines.join("\n");
 }
 
 // Which patch each pixel of a pane shows, by rows from the lower left.
@@ -124,20 +155,21 @@ const patchesOf = (pane) => {
   return painter.patchesAt(one, camera, radius, one.box);
 };
 
-// Picks what a point of the page shows, in pixels of the canvas element from its upper left.
+// Picks what a point of the page shows, in pixels of the canvas element from its upper left. In the picture of what a
+// patch sees this is the recursion, walked by hand.
 function pick(x, y) {
   const canvas = $("canvas"), ratio = canvas.width / canvas.clientWidth;
   const px = Math.floor(x * ratio), py = canvas.height - 1 - Math.floor(y * ratio);
-  const pane = panes().find(({ box }) => px >= box[0] && px < box[0] + box[2]);
-  set({ picked: pane ? painter.patchesAt(pane, camera, radius, [px, py, 1, 1])[0] : -1 });
-  if (state.picked < 0) $("pick").textContent = "Click a patch to read its light.";
+  const pane = panes().find(({ box, light }) => light && px >= box[0] && px < box[0] + box[2]);
+  const patch = pane ? painter.patchesAt(pane, camera, radius, [px, py, 1, 1])[0] : -1;
+  if (patch >= 0 || pane?.sees === undefined) set({ picked: patch });
   return state.picked;
 }
 
 function turn(dx, dy) {
   const arm = minus(camera.position, camera.target), length = Math.hypot(...arm), up = unit(camera.up);
   const height = clamp(Math.asin(clamp(dot(arm, up) / length, -1, 1)) + dy * 0.006, -1.5, 1.5);
-  const level = minus(arm, up.map((u) => u * dot(arm, up)));
+  const level = plus(arm, up, -dot(arm, up));
   const side = unit(Math.hypot(...level) > 1e-9 * length ? level : cross(up, [0.3, 0.5, 0.7]));
   const across = cross(up, side), angle = -dx * 0.006;
   const flat = side.map((s, i) => s * Math.cos(angle) + across[i] * Math.sin(angle));
@@ -147,7 +179,7 @@ function turn(dx, dy) {
 
 function zoom(factor) {
   const arm = minus(camera.position, camera.target), length = clamp(Math.hypot(...arm) * factor, 0.02 * radius, 50 * radius);
-  camera.position = camera.target.map((t, i) => t + unit(arm)[i] * length);
+  camera.position = plus(camera.target, unit(arm), length);
   redraw();
 }
 
@@ -155,74 +187,19 @@ function move(dx, dy) {
   const forward = unit(minus(camera.target, camera.position)), right = unit(cross(forward, camera.up)), up = cross(right, forward);
   const size = (2 * Math.tan((camera.fov * Math.PI) / 360) * Math.hypot(...minus(camera.target, camera.position))) / $("canvas").clientHeight;
   const shift = right.map((r, i) => (-dx * r + dy * up[i]) * size);
-  camera.position = camera.position.map((p, i) => p + shift[i]);
-  camera.target = camera.target.map((t, i) => t + shift[i]);
+  camera.position = plus(camera.position, shift);
+  camera.target = plus(camera.target, shift);
   redraw();
 }
 
-const nextShow = { both: "order", order: "sum", sum: "both" };
-const KEYS = {
-  ArrowRight: () => set({ k: state.k + 1 }), ArrowLeft: () => set({ k: state.k - 1 }),
-  Home: () => set({ k: 0 }), End: () => set({ k: meta.orders - 1 }),
-  ArrowUp: () => set({ ev: state.ev + 0.5 }), ArrowDown: () => set({ ev: state.ev - 0.5 }), 0: () => set({ ev: 0 }),
-  " ": () => set({ playing: !state.playing }), n: () => set({ normalised: !state.normalised }),
-  t: () => set({ tone: state.tone === "linear" ? "reinhard" : "linear" }), f: () => set({ falseColour: !state.falseColour }),
-  m: () => set({ markClipped: !state.markClipped }), c: () => set({ camera: state.camera + 1 }),
-  v: () => set({ show: nextShow[state.show] }), "?": () => $("help").showModal(), h: () => $("help").showModal(),
-};
-
-function listen() {
-  $("k").oninput = () => set({ k: +$("k").value, playing: false });
-  $("ev").oninput = () => set({ ev: +$("ev").value });
-  for (const id of ["show", "tone"]) $(id).onchange = () => set({ [id]: $(id).value });
-  for (const id of ["normalised", "falseColour", "markClipped"]) $(id).onchange = () => set({ [id]: $(id).checked });
-  $("back").onclick = KEYS.ArrowLeft;
-  $("on").onclick = KEYS.ArrowRight;
-  $("play").onclick = KEYS[" "];
-  $("camera").onclick = KEYS.c;
-  $("keys").onclick = KEYS["?"];
-  $("power").querySelector("svg").onclick = (event) => {
-    const box = event.currentTarget.getBoundingClientRect();
-    set({ k: bounceAt(((event.clientX - box.left) / box.width) * 300, meta.orders) });
-  };
-  addEventListener("keydown", (event) => {
-    const typing = ["SELECT", "BUTTON"].includes(event.target.tagName) || (event.target.type === "checkbox" && event.key === " ");
-    if (typing || event.ctrlKey || event.metaKey || event.altKey || $("help").open) return;
-    const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (act) { event.preventDefault(); act(); }
-  });
-  listenToFingers($("canvas"), { turn, zoom, move, pick });
-  new ResizeObserver(draw).observe($("canvas"));
-  $("canvas").addEventListener("webglcontextlost", () => trouble("The graphics memory was lost; load the page again."));
+// The next shortcut beside the truth; after the last one, the bounces again.
+function nextWrong() {
+  if (!scene.wrong.length) return;
+  if (state.left !== "wrong") set({ left: "wrong", wrong: 0 });
+  else set(state.wrong + 1 < scene.wrong.length ? { wrong: state.wrong + 1 } : { left: "order" });
 }
 
 function trouble(words) {
   $("trouble").textContent = words;
   $("trouble").hidden = false;
 }
-
-// What a link may set: page.html#k=3&ev=1&show=sum&normalised=true
-function fromLink() {
-  const change = {};
-  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
-    if (name === "k" || name === "ev") change[name] = Number(text) || 0;
-    else if (typeof state[name] === "boolean") change[name] = text === "true" || text === "1";
-    else if ((name === "show" && text in nextShow) || (name === "tone" && ["reinhard", "linear"].includes(text))) change[name] = text;
-  }
-  return change;
-}
-
-async function begin() {
-  const means = "the numbers are in the table below; a browser from 2023 or later shows the picture";
-  if (!("DecompressionStream" in window)) return trouble(`This browser cannot unpack the page's data: ${means}.`);
-  if (!document.createElement("canvas").getContext("webgl2")) return trouble(`This browser cannot draw with WebGL2: ${means}.`);
-  $("k").max = meta.orders - 1;
-  scene = await loadScene(meta);
-  painter = new Painter($("canvas"), scene, meta);
-  radius = meta.radius;
-  useCamera(0);
-  Object.assign(viewer, { draw, pick, patchesOf, scene, painter });
-  listen();
-  set(fromLink());
-}
-viewer.ready = begin().catch((error) => { trouble(`The picture cannot be drawn: ${error.message}`); throw error; });

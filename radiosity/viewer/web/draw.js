@@ -1,24 +1,26 @@
-// WebGL2: every patch looks its light up in a texture, so that a step from bounce to bounce changes one number.
+// WebGL2: every patch looks its light up in a texture, one for each pane, filled anew when the light changes.
 
-const TEXTURE_WIDTH = 1024;
 const VERTEX = `#version 300 es
-precision highp float; precision highp int; precision highp sampler2DArray;
+precision highp float; precision highp int; precision highp sampler2D;
 layout(location = 0) in vec3 position;
 uniform mat4 camera;
-uniform sampler2DArray light;
-uniform int layer, tone;       // tone: 0 Reinhard, 1 linear, 2 linear with marks, 3 false colour, 4 patch numbers
+uniform sampler2D light;
+uniform int tone;              // see TONES
 uniform float factor;
 uniform vec2 scale;            // logarithms of the ends of the false-colour scale
 uniform vec3 scaleColours[17];
-flat out vec3 colour;
+VARYING out vec3 colour;
 vec3 encode(vec3 x) {
   return mix(1.055 * pow(max(x, 0.0031308), vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
 }
 void main() {
   gl_Position = camera * vec4(position, 1.0);
-  int patch_ = gl_VertexID / 4;
-  vec3 x = texelFetch(light, ivec3(patch_ % ${TEXTURE_WIDTH}, patch_ / ${TEXTURE_WIDTH}, layer), 0).rgb;
+  int patch_ = gl_VertexID / 4, at = PLACE;
   if (tone == 4) { colour = vec3(patch_ & 255, (patch_ >> 8) & 255, (patch_ >> 16) & 255) / 255.0; return; }
+  if (tone == 6 || tone == 7) { colour = vec3(tone - 6); return; }
+  if (tone == 8) { colour = vec3(1.0, 0.44, 0.26); return; }
+  vec3 x = texelFetch(light, ivec2(at % ${TEXTURE_WIDTH}, at / ${TEXTURE_WIDTH}), 0).rgb;
+  if (tone == 5) { colour = x; return; }
   if (tone == 3) {
     float place = (log(max(dot(x, vec3(0.2126, 0.7152, 0.0722)), 1e-30)) - scale.x) / (scale.y - scale.x) * 16.0;
     place = clamp(place, 0.0, 16.0);
@@ -33,11 +35,13 @@ void main() {
 }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
-flat in vec3 colour;
+VARYING in vec3 colour;
 out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }`;
+const TONES = { reinhard: 0, linear: 1, marked: 2, scale: 3, numbers: 4, plain: 5, black: 6, none: 7, outline: 8 };
 
 const minus = (a, b) => a.map((x, i) => x - b[i]);
+const plus = (a, b, times = 1) => a.map((x, i) => x + times * b[i]);
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
@@ -61,6 +65,24 @@ function cameraMatrix(camera, width, height, radius) {
   return matrix;
 }
 
+// The five faces of a hemicube on a patch, unfolded into a box: where each is drawn, what of it is cut out, and its
+// camera. `up` is the direction in the patch's plane that points up in the picture.
+function hemicubeFaces([left, bottom, width, height], eye, normal, up, radius) {
+  const q = Math.max(1, Math.floor(Math.min(width, height) / 4)), right = cross(normal, up);
+  const x = left + Math.floor(width / 2), y = bottom + Math.floor(height / 2), back = (a) => a.map((v) => -v);
+  const face = (forward, upward, view, cut) => ({
+    view: [x + view[0] * q, y + view[1] * q, 2 * q, 2 * q], cut: [x + cut[0] * q, y + cut[1] * q, cut[2] * q, cut[3] * q],
+    camera: { position: eye, target: plus(eye, forward, radius), up: upward, fov: 90 },
+  });
+  return [
+    face(normal, up, [-1, -1], [-1, -1, 2, 2]),
+    face(right, up, [1, -1], [1, -1, 1, 2]),
+    face(back(right), up, [-3, -1], [-2, -1, 1, 2]),
+    face(up, back(normal), [-1, 1], [-1, 1, 2, 1]),
+    face(back(up), normal, [-1, -3], [-1, -2, 2, 1]),
+  ];
+}
+
 // Whether the processor does the drawing; smooth edges would then cost four times the time.
 function drawnBySoftware() {
   const gl = document.createElement("canvas").getContext("webgl2");
@@ -70,27 +92,24 @@ function drawnBySoftware() {
 }
 
 class Painter {
-  constructor(canvas, scene, meta) {
+  constructor(canvas, falseColours) {
     const gl = (this.gl = canvas.getContext("webgl2", { antialias: !drawnBySoftware(), alpha: false }));
     if (!gl) throw new Error("no WebGL2");
-    Object.assign(this, { canvas, meta, layers: scene.orders.length });
-    this.program = this.link(VERTEX, FRAGMENT);
-    gl.useProgram(this.program);
-    this.place = Object.fromEntries(["camera", "layer", "tone", "factor", "scale", "scaleColours"]
-      .map((name) => [name, gl.getUniformLocation(this.program, name)]));
-    gl.uniform3fv(this.place.scaleColours, meta.falseColours.flat().map((x) => x / 255));
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, scene.corners, gl.STATIC_DRAW);
+    this.canvas = canvas;
+    const variant = (varying, place) => this.link(...[VERTEX, FRAGMENT].map((text) => text.replace("VARYING", varying).replace("PLACE", place)));
+    this.programs = [variant("flat", "patch_"), variant("", "gl_VertexID")];
+    for (const { program, place } of this.programs) {
+      gl.useProgram(program);
+      gl.uniform3fv(place.scaleColours, falseColours.flat().map((x) => x / 255));
+    }
+    this.slots = {};
+    [this.cornerBuffer, this.loopBuffer] = [gl.createBuffer(), gl.createBuffer()];
     gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    const index = new Uint32Array(meta.patches * 6);
-    for (let i = 0; i < meta.patches; i++) index.set([4 * i, 4 * i + 1, 4 * i + 2, 4 * i, 4 * i + 2, 4 * i + 3], 6 * i);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, index, gl.STATIC_DRAW);
-    this.upload([...scene.orders, ...scene.sums]);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);  // faces that look away are left out: walls do not hide the room
     gl.enable(gl.SCISSOR_TEST);
+    gl.polygonOffset(1, 1);
   }
 
   link(...sources) {
@@ -103,36 +122,102 @@ class Painter {
     });
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    return program;
+    const names = ["camera", "tone", "factor", "scale", "scaleColours"];
+    return { program, place: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) };
   }
 
-  upload(layers) {
-    const gl = this.gl, N = this.meta.patches, height = Math.ceil(N / TEXTURE_WIDTH);
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, gl.createTexture());
-    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D_ARRAY, filter, gl.NEAREST);
-    gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.RGBA32F, TEXTURE_WIDTH, height, layers.length);
-    const texels = new Float32Array(TEXTURE_WIDTH * height * 4);
-    layers.forEach((light, layer) => {
-      for (let i = 0; i < N; i++) for (let c = 0; c < 3; c++) texels[4 * i + c] = light[3 * i + c];
-      gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, TEXTURE_WIDTH, height, 1, gl.RGBA, gl.FLOAT, texels);
-    });
+  // The patches that are drawn from now on.
+  useScene(scene) {
+    const gl = this.gl, N = scene.meta.patches, index = new Uint32Array(N * 6);
+    for (let i = 0; i < N; i++) index.set([4 * i, 4 * i + 1, 4 * i + 2, 4 * i, 4 * i + 2, 4 * i + 3], 6 * i);
+    this.useCorners(this.cornerBuffer, scene.corners);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, index, gl.STATIC_DRAW);
+    Object.assign(this, { corners: scene.corners, patches: N });
   }
 
-  // Panes are {box: [left, bottom, width, height] in pixels, layer, tone, factor, scale}.
-  draw(panes, camera, radius) {
-    const gl = this.gl, { place } = this;
-    gl.scissor(0, 0, this.canvas.width, this.canvas.height);
-    gl.clearColor(0x26 / 255, 0x2b / 255, 0x33 / 255, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    for (const { box, layer, tone, factor, scale } of panes) {
-      gl.viewport(...box);
-      gl.scissor(...box);
+  useCorners(buffer, corners) {
+    const gl = this.gl;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    if (corners) gl.bufferData(gl.ARRAY_BUFFER, corners, gl.STATIC_DRAW);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+  }
+
+  // Draws a line around a patch, a hair above it, three times so that it is two pixels wide.
+  outline({ box }, camera, radius, patch) {
+    const gl = this.gl, { program, place } = this.programs[0], normal = unit(crossOf(this.corners, patch));
+    gl.useProgram(program);
+    gl.uniform1i(place.tone, TONES.outline);
+    this.useCorners(this.loopBuffer, new Float32Array([0, 1, 2, 3].flatMap((j) => plus([...cornerOf(this.corners, patch, j)], normal, 2e-3 * radius))));
+    gl.scissor(...box);
+    for (const [dx, dy] of [[0, 0], [1, 0], [0, 1]]) {
+      gl.viewport(box[0] + dx, box[1] + dy, box[2], box[3]);
       gl.uniformMatrix4fv(place.camera, false, cameraMatrix(camera, box[2], box[3], radius));
-      gl.uniform1i(place.layer, layer);
-      gl.uniform1i(place.tone, tone);
-      gl.uniform1f(place.factor, factor);
-      gl.uniform2f(place.scale, Math.log(scale[0]), Math.log(scale[1]));
-      gl.drawElements(gl.TRIANGLES, this.meta.patches * 6, gl.UNSIGNED_INT, 0);
+      gl.drawArrays(gl.LINE_LOOP, 0, 4);
+    }
+    this.useCorners(this.cornerBuffer, null);
+  }
+
+  // Puts light (of patches, or of their corners) into the texture of a slot, unless it is there already.
+  bindLight(slot, values) {
+    const gl = this.gl, held = (this.slots[slot] ||= { texture: gl.createTexture() }), rows = values.length / (3 * TEXTURE_WIDTH);
+    gl.bindTexture(gl.TEXTURE_2D, held.texture);
+    if (held.values === values) return;
+    if (held.rows !== rows) {
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB32F, TEXTURE_WIDTH, rows, 0, gl.RGB, gl.FLOAT, values);
+    } else gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXTURE_WIDTH, rows, gl.RGB, gl.FLOAT, values);
+    Object.assign(held, { values, rows });
+  }
+
+  clear([x, y, width, height], colour) {
+    const gl = this.gl;
+    gl.scissor(x, y, width, height);
+    gl.clearColor(...colour, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  triangles(camera, view, cut, radius, place) {
+    const gl = this.gl;
+    gl.viewport(...view);
+    gl.scissor(...cut);
+    gl.uniformMatrix4fv(place.camera, false, cameraMatrix(camera, view[2], view[3], radius));
+    gl.drawElements(gl.TRIANGLES, this.patches * 6, gl.UNSIGNED_INT, 0);
+  }
+
+  // A pane is {slot, box: [left, bottom, width, height] in pixels, light, smooth, tone, factor, scale, sees}; `sees` is a
+  // patch whose view is drawn instead of the camera's.
+  drawPane(pane, camera, radius, tone = pane.tone) {
+    const gl = this.gl, { program, place } = this.programs[pane.smooth ? 1 : 0];
+    gl.useProgram(program);
+    gl.uniform1i(place.tone, tone);
+    gl.uniform1f(place.factor, pane.factor);
+    gl.uniform2f(place.scale, Math.log(pane.scale[0]), Math.log(pane.scale[1]));
+    if (pane.sees === undefined) return this.triangles(camera, pane.box, pane.box, radius, place);
+    const faces = this.faces(pane, radius);
+    for (const { camera: from, view, cut } of faces) this.triangles(from, view, cut, radius, place);
+    // Black backs stop light; a hair behind, for where a front and a back coincide the front is seen.
+    gl.uniform1i(place.tone, tone === TONES.numbers ? TONES.none : TONES.black);
+    gl.cullFace(gl.FRONT);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    for (const { camera: from, view, cut } of faces) this.triangles(from, view, cut, radius, place);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.cullFace(gl.BACK);
+    return undefined;
+  }
+
+  // Up in the picture is up in the room, or on a level patch to the back.
+  faces({ box, sees }, radius) {
+    const normal = unit(crossOf(this.corners, sees)), top = [0, 1, -0.1];
+    const up = unit(plus(top, normal, -dot(top, normal)));
+    return hemicubeFaces(box, plus(midOf(this.corners, sees), normal, 1e-4 * radius), normal, up, radius);
+  }
+
+  draw(panes, camera, radius) {
+    this.clear([0, 0, this.canvas.width, this.canvas.height], BACKGROUND);
+    for (const pane of panes) {
+      if (!pane.light) continue;
+      this.bindLight(pane.slot, pane.light);
+      this.drawPane(pane, camera, radius);
     }
   }
 
@@ -142,19 +227,14 @@ class Painter {
     const gl = this.gl, { width, height } = this.canvas;
     if (!this.target || this.target.width !== width || this.target.height !== height) this.makeTarget(width, height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target.frame);
-    gl.viewport(...pane.box);
-    gl.scissor(x, y, columns, rows);
-    gl.clearColor(1, 1, 1, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.uniformMatrix4fv(this.place.camera, false, cameraMatrix(camera, pane.box[2], pane.box[3], radius));
-    gl.uniform1i(this.place.tone, 4);
-    gl.drawElements(gl.TRIANGLES, this.meta.patches * 6, gl.UNSIGNED_INT, 0);
+    this.clear(pane.box, [1, 1, 1]);
+    this.drawPane({ ...pane, smooth: false }, camera, radius, TONES.numbers);
     const pixels = new Uint8Array(4 * columns * rows);
     gl.readPixels(x, y, columns, rows, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return Int32Array.from({ length: columns * rows }, (_, i) => {
       const patch = pixels[4 * i] + 256 * pixels[4 * i + 1] + 65536 * pixels[4 * i + 2];
-      return patch < this.meta.patches ? patch : -1;
+      return patch < this.patches ? patch : -1;
     });
   }
 
@@ -170,3 +250,4 @@ class Painter {
     this.target = { frame, width, height };
   }
 }
+const BACKGROUND = [0x26 / 255, 0x2b / 255, 0x33 / 255];

@@ -1,0 +1,182 @@
+"""Two rooms and a pinhole: light that arrives late, slow modes, and solvers that race.
+
+A lecture is this file: copy it, change words, add a `Step`, and run it with ``radiosity lecture FILE.py``.
+"""
+
+from dataclasses import replace
+from functools import cache
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+import radiosity as rad
+from radiosity.lectures import Lecture, Step, bounces, legend, plot, with_orders
+
+HOLE = 0.3  # m, the side of the square hole
+ROOM_1 = ("floor_1", "ceiling_1", "back_wall_1", "front_wall_1", "left_wall", "lamp")
+BOUNCES = 60
+RTOL = 1e-6
+SHOWN = 250  # steps of a solver in the plot
+SEEN = rad.Camera("both rooms", (4.0, 9.0, 13.5), (4.0, 0.8, 2.0), fov=30.0)
+
+
+def solve(patch_count: int = 2_500) -> dict[str, rad.Solution]:
+    """Two rooms joined by a door, and by a small hole, with walls of ρ = 0.9."""
+
+    def rooms(door: Any) -> rad.Solution:
+        scene = rad.scenes.two_rooms(door, reflectance=0.9)
+        raw = rad.solve(scene, patch_count=patch_count, estimator=rad.MonteCarlo(rays=1024), bounces=0)
+        closed = replace(raw, factors=raw.factors.conserved())  # no power is lost or won between patches
+        T = rad.TransportOperator(closed.factors, closed.patches)
+        return with_orders(closed, T.orders(closed.emission, count=BOUNCES), f"{BOUNCES} bounces")
+
+    return {"door": rooms((0.9, 2.0)), "hole": rooms(HOLE)}
+
+
+def power(solution: rad.Solution) -> np.ndarray:
+    """Power of each order in the first and in the second room, W, (2, K + 1)."""
+    inside = solution.patches.centroid + 0.01 * solution.patches.normal  # the wall between belongs to the room it faces
+    first = inside[:, 0] < 4.0
+    watts = solution.patches.area * bounces(solution)[:, :, 0]
+    return np.array([watts[:, first].sum(axis=1), watts[:, ~first].sum(axis=1)])
+
+
+def room_plot(solved: dict[str, rad.Solution]) -> Any:
+    """Power by bounce in both rooms."""
+    figure, axes = plot("bounce k", "power of the bounce, W", log="y")
+    for name, style in (("door", "--"), ("hole", "-")):
+        for room, (watts, colour) in enumerate(zip(power(solved[name]), ("#5b8def", "#ff7043"), strict=True)):
+            lit = np.flatnonzero(watts > 0)
+            axes.plot(lit, watts[lit], style, color=colour, label=f"room {room + 1}, {name}", linewidth=1.8)
+    legend(axes, "lower left")
+    return figure
+
+
+@cache
+def races(solution: rad.Solution) -> dict[str, np.ndarray]:
+    """Residual of each solver after each step, of the first, on the same conserved factors."""
+    T = rad.TransportOperator(solution.factors, solution.patches)
+    solvers = (rad.Neumann, rad.GaussSeidel, rad.ConjugateGradient)
+    history = {}
+    for solver in solvers:
+        steps = islice(solver(rtol=RTOL, maxiter=SHOWN).iterate(T, solution.emission), SHOWN)
+        residual = np.array([step.residual[0] for step in steps])
+        history[solver.__name__] = residual / T.norm(T.source(solution.emission, solution.sky))[0]
+    return history
+
+
+def race_plot(solved: dict[str, rad.Solution]) -> Any:
+    """The race."""
+    figure, axes = plot("step", "residual, of the source", log="y")
+    for name, residual in races(solved["hole"]).items():
+        axes.plot(residual, label=name, linewidth=2)
+    axes.axhline(RTOL, color="#9aa3ae", linewidth=1, linestyle="--")
+    axes.set_ylim(RTOL / 5, 3)
+    legend(axes, "upper right")
+    return figure
+
+
+def steps_to(residual: np.ndarray, goal: float = RTOL) -> str:
+    """How many steps a solver took, in words."""
+    there = np.flatnonzero(residual <= goal)
+    return str(there[0]) if there.size else f"more than {len(residual) - 1}"
+
+
+def numbers(solved: dict[str, rad.Solution]) -> dict[str, Any]:
+    """When the light arrives, how slowly it goes, who wins."""
+    door, hole = power(solved["door"]), power(solved["hole"])
+    race = races(solved["hole"])
+    total = hole.sum(axis=1)
+    return {
+        "patches": len(solved["hole"].patches),
+        "peak_2": int(np.argmax(hole[1])),
+        "peak_2_door": int(np.argmax(door[1])),
+        "mean_1": hole[0] @ np.arange(BOUNCES + 1) / total[0],
+        "mean_2": hole[1] @ np.arange(BOUNCES + 1) / total[1],
+        "share_2": total[1] / total.sum(),
+        "share_2_door": door[1].sum() / door.sum(),
+        "late_1": hole[0, -1] / hole[0, -2],
+        "late_2": hole[1, -1] / hole[1, -2],
+        "neumann": steps_to(race["Neumann"]),
+        "gauss_seidel": steps_to(race["GaussSeidel"]),
+        "conjugate": steps_to(race["ConjugateGradient"]),
+        "bounces": BOUNCES,
+        "hole": HOLE,
+    }
+
+
+LECTURE = Lecture(
+    name="pinhole",
+    title="Two rooms and a pinhole",
+    solve=solve,
+    numbers=numbers,
+    steps=(
+        Step(
+            title="One lamp, two rooms",
+            text="""
+                Two white rooms, ρ = 0.9, seen as a doll's house. The lamp is in the ceiling of the left one. In the
+                wall between them is a door.
+            """,
+            show={"scene": "door", "order": 1, "camera": SEEN},
+            question="After which bounce does the second room have most light?",
+            answer="""A little later than the first: bounce {peak_2_door} is its brightest. Through the door it gets
+                {share_2_door:.0%} of all the light that surfaces send out.""",
+            reveal={"scene": "door", "order": 4},
+            minutes=3,
+        ),
+        Step(
+            title="Close the door, leave a hole",
+            text="""
+                Now only a hole of {hole:g} m square in the middle of the wall. A camera obscura, with a dull lamp
+                instead of a landscape.
+            """,
+            show={"scene": "hole", "order": 1, "camera": SEEN},
+            question="On the common exposure the second room stays dark. When is its brightest bounce now?",
+            answer="""Bounce {peak_2}; the left picture shows it on its own exposure. Light fills the second room
+                slowly and lingers: within {bounces} bounces the mean light there has bounced {mean_2:.1f} times, in
+                the first room {mean_1:.1f} times.""",
+            reveal={"order": 8, "normalised": True},
+            minutes=4,
+        ),
+        Step(
+            title="Slow modes",
+            text="""
+                Follow the power of each bounce in either room, for the door (dashed) and the hole (solid).
+            """,
+            show={"scene": "hole", "order": 20, "normalised": True, "camera": SEEN},
+            question="In the second room light fades by less than ρ = 0.9 would say. How can that be?",
+            answer="""It is still being filled. At bounce {bounces} the first room shrinks by {late_1:.3f} a bounce,
+                the second by {late_2:.3f}. Only when both rooms hold the same light do both shrink by 0.9: that is
+                the slowest mode of T. The next mode, one room against the other, has an eigenvalue almost as large,
+                and the smaller the hole, the closer: it takes that long to settle.""",
+            reveal={"figure": room_plot},
+            minutes=5,
+        ),
+        Step(
+            title="What a solver has to do",
+            text="""
+                A solver that passes light on bounce by bounce must wait until the slow modes have died out.
+                Gauss-Seidel uses each new value at once. Conjugate gradients remember where they have been, and take
+                all modes of equal eigenvalue in one step.
+            """,
+            show={"scene": "hole", "order": 60, "camera": SEEN},
+            question="{patches} patches, residual to one millionth. How many steps does each need?",
+            answer="""Neumann: {neumann}. Gauss-Seidel: {gauss_seidel}. Conjugate gradients: {conjugate}; they know
+                about the two rooms, and take that mode out before they begin. On the same factors, each step costs
+                about one product with the matrix.""",
+            reveal={"figure": race_plot},
+            minutes=5,
+        ),
+        Step(
+            title="Why it matters",
+            text="""
+                White rooms joined by small openings: museums, tunnels, light traps, integrating spheres, ovens. There
+                the series needs hundreds of terms, a path tracer hundreds of segments a path, and "a few bounces are
+                enough" is wrong by a factor. The second room has {share_2:.1%} of the light, nearly all of it late.
+            """,
+            show={"scene": "hole", "order": 60, "normalised": False, "camera": SEEN, "exposure": 2.0},
+            minutes=2,
+        ),
+    ),
+)
