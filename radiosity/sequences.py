@@ -6,13 +6,22 @@ computed in any order, by any number of threads, and come out the same to the la
 
 from __future__ import annotations
 
+import functools
+import operator
+from typing import Any
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ParameterError
 
+BITS = 32
 BITS_TO_UNIT = 1.0 / 4294967296.0  # 32 random bits to [0, 1)
+# Primitive polynomials (a bit for each coefficient) and first direction numbers of the second dimension and those after
+# it (Joe & Kuo 2008, doi 10.1137/070709359, new-joe-kuo-6).
+JOE_KUO = ((0b11, (1,)), (0b111, (1, 3)), (0b1011, (1, 3, 1)))
+MOST_DIMENSIONS = 1 + len(JOE_KUO)
 
 
 @numba.njit(nogil=True, cache=True, inline="always")
@@ -62,7 +71,10 @@ def sobol_points(count: int, dimensions: int, seed: int) -> NDArray[np.uint32]:
 
     Parameters
     ----------
-    count, dimensions : int
+    count : int
+        At least one.
+    dimensions : int
+        At most `MOST_DIMENSIONS`.
     seed : int
 
     Returns
@@ -71,10 +83,37 @@ def sobol_points(count: int, dimensions: int, seed: int) -> NDArray[np.uint32]:
 
     Notes
     -----
-    Sobol (1967) with Joe & Kuo's direction numbers, random linear matrix scramble and digital shift (Matoušek 1998).
+    Sobol (1967) with Joe & Kuo's direction numbers, random linear matrix scramble and digital shift (Matoušek 1998):
+    the points of ``scipy.stats.qmc.Sobol``, bit for bit, without the second that importing it takes.
     """
-    from scipy.stats import qmc
+    rng = np.random.default_rng(seed).spawn(1)[0]  # as scipy does
+    shift = _packed(rng.integers(0, 2, (dimensions, BITS), dtype=np.uint32)[:, ::-1])
+    lower = np.tril(rng.integers(0, 2, (dimensions, BITS, BITS), dtype=np.uint32), -1) | np.eye(BITS, dtype=np.uint32)
+    directions = _directions(dimensions)
+    # Bit p of a scrambled direction is the parity of row p of the triangular matrix and the direction.
+    parity = np.bitwise_count(_packed(lower)[:, None, :] & directions[:, :, None]) & 1
+    scrambled = _packed(parity)
+    points = shift[None]
+    for bit in range(
+        int(count - 1).bit_length()
+    ):  # twice as many, those of before in reverse: the order of Gray's code
+        points = np.concatenate([points, points[::-1] ^ scrambled[:, bit]])
+    return points[:count]
 
-    whole = max(0, int(count - 1).bit_length())
-    points = qmc.Sobol(dimensions, scramble=True, bits=32, rng=np.random.default_rng(seed)).random_base2(whole)
-    return (points[:count] * 4294967296.0).astype(np.uint32)
+
+def _packed(bits: NDArray[Any]) -> NDArray[np.uint32]:
+    """Bits (…, 32), the highest first, as words (…,)."""
+    place = np.arange(BITS - 1, -1, -1, dtype=np.uint32)
+    return np.bitwise_or.reduce(bits.astype(np.uint32) << place, axis=-1)
+
+
+def _directions(dimensions: int) -> NDArray[np.uint32]:
+    """Sobol's direction numbers (dimensions, 32), as 32-bit fractions; the first dimension is van der Corput's."""
+    rows = [[1] * BITS]
+    for polynomial, first in JOE_KUO[: dimensions - 1]:
+        degree, m = polynomial.bit_length() - 1, list(first)
+        for k in range(degree, BITS):
+            terms = [m[k - j] << j for j in range(1, degree + 1) if polynomial >> (degree - j) & 1]
+            m.append(functools.reduce(operator.xor, terms, m[k - degree]))
+        rows.append(m)
+    return np.array([[m << (BITS - 1 - k) for k, m in enumerate(row)] for row in rows], dtype=np.uint32)
