@@ -63,8 +63,8 @@ def _face_table(grid: Grid, corners: FloatArray) -> FaceTable:
     skew[~faces.quad] = 0.0
     fold = corners[:, 2] - origin - (1.0 + skew[:, :1]) * along - (1.0 + skew[:, 1:]) * across
     fold[~faces.quad] = 0.0
-    return FaceTable(
-        origin=np.ascontiguousarray(origin),
+    table = FaceTable(
+        origin=origin,
         along=along,
         across=across,
         skew=skew,
@@ -78,6 +78,14 @@ def _face_table(grid: Grid, corners: FloatArray) -> FaceTable:
         front=grid.front,
         back=grid.back,
     )
+    # One memory order for all scenes, or kernels would be compiled anew for another.
+    return FaceTable(*(np.ascontiguousarray(part) for part in table))  # type: ignore[arg-type]
+
+
+def whole_faces(table: FaceTable) -> FaceTable:
+    """The same faces as if none were cut, for points on all of an emitter."""
+    one_cell = np.ones(len(table.quad), dtype=np.int32)
+    return table._replace(columns=one_cell, rows=one_cell)
 
 
 def _skew(along: FloatArray, across: FloatArray, opposite: FloatArray) -> FloatArray:
@@ -331,7 +339,8 @@ def patch_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-de
     What the points of a cell share is computed once, and the loops are short enough for the compiler to run eight at
     once.
     """
-    if table.quad[f] and (table.skew[f, 0] != 0.0 or table.skew[f, 1] != 0.0 or np.any(table.fold[f] != 0.0)):
+    flat = table.fold[f, 0] == 0.0 and table.fold[f, 1] == 0.0 and table.fold[f, 2] == 0.0
+    if table.quad[f] and not (flat and table.skew[f, 0] == 0.0 and table.skew[f, 1] == 0.0):
         _bilinear_points(table, f, cell, side, s, t, out)
     else:
         _affine_points(table, f, cell, side, s, t, out)

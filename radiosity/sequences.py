@@ -44,6 +44,11 @@ def high_bits(z):  # type: ignore[no-untyped-def]
     return np.uint32(z >> np.uint64(32))
 
 
+def keys(parent: Any, counters: NDArray[Any]) -> NDArray[np.uint64]:
+    """`key` of many counters, of one parent or one each."""
+    return mix.py_func(parent + (counters.astype(np.uint64) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15))
+
+
 def seed_key(seed: int, *counters: int) -> np.uint64:
     """The key that a run starts from.
 

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ParameterError
 from ..parallel import blocks, ordered_map
-from .exchange_kernels import ALL, LATER, SAME, exchange_rows
+from .exchange_kernels import ALL, LATER, SAME, apart_rows
 from .frames import prepare
+from .near_kernels import near_rows
 
 FloatArray = NDArray[np.float64]
 
@@ -139,7 +140,8 @@ def _fill(
     """Compute blocks of rows on threads, each into its own part of `out`."""
 
     def work(block: tuple[int, int]) -> None:
-        exchange_rows(a, a_frames, b, b_frames, block[0], block[1], columns, out)
+        if apart_rows(a, a_frames, b, b_frames, *block, columns, out):  # else there is no need for the other kernel
+            near_rows(a, a_frames, b, b_frames, *block, columns, out)
 
     for _ in ordered_map(work, rows, threads):
         pass

@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..patches import Patches
-from ..rays import FaceTable, Tracer, patch_points
-from ..sequences import BITS_TO_UNIT, high_bits, key, sobol_points
+from ..rays import FaceTable, Tracer, whole_faces
+from ..sequences import keys, sobol_points
 from .assembly import RowBlock
 from .contour import exchange_area_matrix
+from .starts import numbers, starts
 
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
@@ -121,11 +122,11 @@ class _Counted(NamedTuple):
 
 
 class _Places(NamedTuple):
-    """`Emitters.of_patch` and `Emitters.place` (N,), and how many patches emit."""
+    """`Emitters.of_patch` and `Emitters.place` (N,), and the patches that emit, in order."""
 
     of_patch: NDArray[np.int32]
     place: NDArray[np.int32]
-    emitting: int
+    emitting: NDArray[np.int32]
 
 
 class DirectLight:
@@ -149,15 +150,16 @@ class DirectLight:
         self.patches, self.tracer, self.emitters, self.run = patches, tracer, emitters, run
         self.light_rays = light_rays
         self.columns = emitters.columns
-        ones = np.ones_like(tracer.table.columns)
+        self.emitting = np.flatnonzero(self.columns).astype(np.int32)
         self.ground = _Ground(
             tracer.table,
-            _aimed_at(tracer.table)._replace(columns=ones, rows=ones),
+            whole_faces(_aimed_at(tracer.table)),
             patches.face,
             patches.side,
             np.where(patches.side > 0, patches.grid.front[patches.face], patches.grid.back[patches.face]),
             emitters.face,
             emitters.side,
+            emitters.of_patch,
         )
         self.points = np.empty((4, 0), dtype=np.uint32)
         if sampling == "sobol":
@@ -182,13 +184,13 @@ class DirectLight:
         corners = self.patches.vertices[np.where(faces < 0, faces[:, [0, 1, 2, 2]], faces)]
         exchange = exchange_area_matrix(corners, self.emitters.corners, threads=1)
         factors = exchange / self.patches.area[begin:end, None]
-        row, emitter = np.nonzero(factors > NEGLIGIBLE)
+        row, emitter = (np.ascontiguousarray(index) for index in np.nonzero(factors > NEGLIGIBLE))
         pairs = np.stack([row + begin, emitter], axis=1)
         first = self._look(pairs, first_rays(self.light_rays))
         at_corners = self._look(pairs, CORNER_RAYS, corners=True)
         undecided = _disagree(np.hstack([first.met, at_corners.met]), np.hstack([first.kernel, at_corners.kernel]))
         more = self._look(pairs[undecided], self.light_rays)
-        places = _Places(self.emitters.of_patch, self.emitters.place, int(self.columns.sum()))
+        places = _Places(self.emitters.of_patch, self.emitters.place, self.emitting)
         entries = _collect(row, emitter, factors[row, emitter], undecided, first, more, counted, places)
         return entries, first.met.size + at_corners.met.size + more.met.size
 
@@ -221,7 +223,7 @@ def _corner_points() -> NDArray[np.uint32]:
 
 
 class _Ground(NamedTuple):
-    """Patches and emitters as the kernels read them; `whole` has every face as one patch."""
+    """Patches and emitters; `whole` has every face as one patch, `of_patch` is that of `Emitters`."""
 
     table: FaceTable
     whole: FaceTable
@@ -230,6 +232,7 @@ class _Ground(NamedTuple):
     first: NDArray[np.int32]
     emitter_face: NDArray[np.int32]
     emitter_side: NDArray[np.int8]
+    of_patch: NDArray[np.int32]
 
 
 def _shadow_rays(ground, pairs, points, shifted, run, origins, directions, weight):  # type: ignore[no-untyped-def]
@@ -237,82 +240,44 @@ def _shadow_rays(ground, pairs, points, shifted, run, origins, directions, weigh
 
     One kernel a step, not one for all: the compiler then sees loops that it can run eight at once.
     """
+    patch, emitter = pairs[:, 0], pairs[:, 1]
+    face, side = ground.face[patch].astype(np.int64), ground.side[patch].astype(np.float64)
+    other, other_side = ground.emitter_face[emitter].astype(np.int64), ground.emitter_side[emitter].astype(np.float64)
     samples = np.empty((4, len(origins)))
-    _samples(pairs, points, shifted, run, weight.shape[1], samples)
-    _ends(ground, pairs, samples, weight.shape[1], origins, directions)
-    _kernels(ground, pairs, origins, directions, weight)
+    numbers(keys(keys(run, patch), emitter), points, shifted, weight.shape[1], samples)
+    starts(ground.table, face, patch - ground.first[patch], side, samples[0], samples[1], origins)
+    # Points of emitters are not lifted: a ray to one ends on its face.
+    cell = np.zeros(len(pairs), dtype=np.int64)
+    starts(ground.whole, other, cell, np.zeros(len(pairs)), samples[2], samples[3], directions)
+    normal = ground.table.normal
+    _kernels(side[:, None] * normal[face], other_side[:, None] * normal[other], origins, directions, weight)
 
 
 @numba.njit(nogil=True, cache=True)
-def _samples(pairs, points, shifted, run, count, out):  # type: ignore[no-untyped-def]
-    """Numbers in [0, 1) for each pair: `points`, shifted by its key or as they are; hashes where there are none."""
-    for p in range(pairs.shape[0]):
-        pair = key(key(np.uint64(run), np.uint64(pairs[p, 0])), np.uint64(pairs[p, 1]))
-        first = p * count
-        if points.shape[1] > 0:
-            for d in range(4):
-                shift = high_bits(key(pair, d)) if shifted else np.uint32(0)
-                for r in range(count):
-                    out[d, first + r] = (points[d, r] ^ shift) * BITS_TO_UNIT
-        else:
-            for r in range(count):
-                ray = key(pair, r)
-                for d in range(4):
-                    out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
-
-
-@numba.njit(nogil=True, cache=True)
-def _ends(ground, pairs, samples, count, origins, targets):  # type: ignore[no-untyped-def]
-    """Points of the patches, lifted, and of the emitters, not lifted: a ray to one ends on its face."""
-    for p in range(pairs.shape[0]):
-        here = slice(p * count, (p + 1) * count)
-        i, e = pairs[p, 0], pairs[p, 1]
-        f, cell, up = ground.face[i], i - ground.first[i], np.float64(ground.side[i])
-        patch_points(ground.table, f, cell, up, samples[0, here], samples[1, here], origins[here])
-        patch_points(ground.whole, ground.emitter_face[e], 0, 0.0, samples[2, here], samples[3, here], targets[here])
-
-
-@numba.njit(nogil=True, cache=True)
-def _kernels(ground, pairs, origins, targets, weight):  # type: ignore[no-untyped-def]
-    """Turn targets into directions, and weigh them."""
+def _kernels(normal, other_normal, origins, targets, weight):  # type: ignore[no-untyped-def]
+    """Turn targets into directions, and weigh them; normals are those of the two sides of each pair."""
     count = weight.shape[1]
-    for p in range(pairs.shape[0]):
-        i, e = pairs[p, 0], pairs[p, 1]
-        n, m = ground.table.normal[ground.face[i]], ground.table.normal[ground.emitter_face[e]]
-        up, towards = np.float64(ground.side[i]), np.float64(ground.emitter_side[e])
+    for p in range(weight.shape[0]):
+        n, m = normal[p], other_normal[p]
         for r in range(count):
             q = p * count + r
             x, y, z = targets[q, 0] - origins[q, 0], targets[q, 1] - origins[q, 1], targets[q, 2] - origins[q, 2]
             targets[q, 0], targets[q, 1], targets[q, 2] = x, y, z
-            cosine = up * (n[0] * x + n[1] * y + n[2] * z)
-            other = -towards * (m[0] * x + m[1] * y + m[2] * z)
+            cosine = n[0] * x + n[1] * y + n[2] * z
+            other = -(m[0] * x + m[1] * y + m[2] * z)
             r2 = np.float64(x) * x + np.float64(y) * y + np.float64(z) * z
             weight[p, r] = cosine * other / (r2 * r2) if cosine > 0.0 and other > 0.0 else 0.0
 
 
-@numba.njit(nogil=True, cache=True)
-def _only_emitters(ground, pairs, met):  # type: ignore[no-untyped-def]
+def _only_emitters(ground: _Ground, pairs: IntArray, met: NDArray[np.int32]) -> None:
     """Put -1 where a shadow ray met anything but the face that it was sent to."""
-    for p in range(pairs.shape[0]):
-        e = pairs[p, 1]
-        for r in range(met.shape[1]):
-            j = met[p, r]
-            if j >= 0 and (ground.face[j] != ground.emitter_face[e] or ground.side[j] != ground.emitter_side[e]):
-                met[p, r] = -1
+    met[(met >= 0) & (ground.of_patch[met] != pairs[:, 1:])] = -1
 
 
-@numba.njit(nogil=True, cache=True)
-def _disagree(met, weight):  # type: ignore[no-untyped-def]
+def _disagree(met: NDArray[np.int32], weight: FloatArray) -> NDArray[np.bool_]:
     """Pairs some of whose rays that count got through and some did not, or of which none counts (pairs,)."""
-    out = np.empty(met.shape[0], dtype=np.bool_)
-    for p in range(met.shape[0]):
-        through = stopped = False
-        for r in range(met.shape[1]):
-            if weight[p, r] > 0.0:
-                through |= met[p, r] >= 0
-                stopped |= met[p, r] < 0
-        out[p] = through == stopped
-    return out
+    counts, through = weight > 0.0, met >= 0
+    return (counts & through).any(axis=1) == (counts & ~through).any(axis=1)
 
 
 @numba.njit(nogil=True, cache=True)
@@ -327,10 +292,10 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
     most = first.met.size + more.met.size + counted.indices.shape[0]
     lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
     of_patch, place = places.of_patch, places.place
-    tally, known = np.zeros(places.emitting), np.zeros(places.emitting, np.bool_)
+    tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
     filled = p = looked = end = 0
     for k in range(rows):
-        start = filled
+        start, found = filled, False
         begin, end = end, end + counted.lengths[k]
         while p < row.shape[0] and row[p] == k:
             met, kernel = first.met[p], first.kernel[p]
@@ -350,29 +315,21 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
                 share = factor[p] * through / kernel.sum() / (n + C)
                 for r in range(met.shape[0]):
                     if met[r] >= 0 and kernel[r] > 0.0:
-                        filled = _add(met[r], share * n * kernel[r] / through, place, tally, known, indices, filled)
+                        tally[place[met[r]]] += share * n * kernel[r] / through
+                        known[place[met[r]]] = found = True
                 for q in range(begin, end):
                     if of_patch[counted.indices[q]] == emitter[p]:
-                        filled = _add(counted.indices[q], share * counted.hits[q], place, tally, known, indices, filled)
+                        tally[place[counted.indices[q]]] += share * counted.hits[q]
+                        known[place[counted.indices[q]]] = found = True
             p += 1
-        indices[start:filled].sort()
-        for q in range(start, filled):
-            c = place[indices[q]]
-            weights[q], tally[c], known[c] = tally[c], 0.0, False
+        if found:
+            for c in range(known.shape[0]):  # in the order of the patches
+                if known[c]:
+                    indices[filled], weights[filled] = places.emitting[c], tally[c]
+                    tally[c], known[c] = 0.0, False
+                    filled += 1
         lengths[k] = filled - start
     return lengths, indices[:filled].copy(), weights[:filled].copy()
-
-
-@numba.njit(nogil=True, cache=True, inline="always")
-def _add(j, weight, place, tally, known, indices, filled):  # type: ignore[no-untyped-def]
-    """Add to the tally of column j, and to the list of columns if it is new; returns the length of the list."""
-    c = place[j]
-    if not known[c]:
-        known[c] = True
-        indices[filled] = j
-        filled += 1
-    tally[c] += weight
-    return filled
 
 
 @numba.njit(nogil=True, cache=True)

@@ -2,14 +2,17 @@
 
 Every pair is taken by the way that keeps its digits:
 
-* both polygons small beside the distance between them: Gauss rules over both areas;
-* one of them small: a Gauss rule over that one, Lambert's formula for the other;
+* both polygons small beside the distance between them: Gauss rules over both areas, here;
+* one of them small: a Gauss rule over that one, Lambert's formula for the other (see `near_kernels`);
 * near each other, or touching: the double contour integral (see `contour`), in which distant edges would cancel.
 
 Polygons that reach behind each other's plane are cut there first. Which way is taken depends on ratios of lengths
 only, and on neither the order of the two nor the unit of length.
 
-Frames of polygons are those of `polygons`.
+Two passes, because the kernels of the second take half a minute to compile, and many scenes have no lamp so near to
+anything that they need it.
+
+Frames of polygons are those of `polygon_kernels`.
 """
 
 from __future__ import annotations
@@ -20,17 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .edge_integrals import edge_pair
 from .kernel import kernel
-from .polygon_kernels import (
-    MAX_CORNERS,
-    clip_to_front,
-    distance2_to_polygon,
-    enclose,
-    heights_over,
-    lambert,
-    polygon_points,
-)
+from .polygon_kernels import MAX_CORNERS, clip_to_front, enclose, heights_over, polygon_points
 
 FloatArray = NDArray[np.float64]
 
@@ -41,8 +35,9 @@ APART = np.array([1000.0, 50.0, 12.0, 6.0, 3.3, 2.5])
 # … and the points per direction of a Gauss rule with which the exchange area is then off by 1e-9 of itself at most,
 # measured on squares, quads and triangles in thousands of positions.
 RULES = np.array([2, 3, 4, 5, 6, 7])
-LAMBERT_RULE = 4  # the largest rule with which Lambert's formula at every point costs less than the contours
 SCRATCH_POINTS = 2 * 7 * 7  # a polygon of five corners is two quads
+
+NEAR = -1.0  # stands for an exchange area that the second pass is to compute
 
 ALL, LATER, SAME = 0, 1, 2  # which columns a row is paired with: every one, those after it, the one of its number
 
@@ -66,7 +61,7 @@ class Scratch(NamedTuple):
 
 @kernel
 def new_scratch() -> Scratch:
-    """Scratch memory for `exchange`."""
+    """Memory to work in."""
     return Scratch(
         np.zeros((MAX_CORNERS, 3)),
         np.zeros((MAX_CORNERS, 3)),
@@ -84,7 +79,7 @@ def new_scratch() -> Scratch:
 
 
 @kernel
-def _rule(ratio: float) -> int:
+def rule_for(ratio: float) -> int:
     """Points per direction of a Gauss rule over a polygon `ratio` of its radii away, 0 if too near for any."""
     for k in range(len(APART)):
         if ratio > APART[k]:
@@ -123,69 +118,6 @@ def _both_apart(p_rule: int, q_rule: int, work: Scratch) -> float:
 
 
 @kernel
-def _one_apart(p: FloatArray, p_frame: FloatArray, rule: int, q: FloatArray, q_count: int, x: FloatArray) -> float:
-    """G by a Gauss rule over the small polygon p and Lambert's formula for q."""
-    total = 0.0
-    for i in range(polygon_points(p, int(p_frame[7]), p_frame, rule, x)):
-        total += x[3, i] * lambert(x[0, i], x[1, i], x[2, i], p_frame, q, q_count)
-    return total / (2.0 * math.pi)
-
-
-@kernel
-def _edges(corners: FloatArray, count: int, scale: float, edges: FloatArray) -> int:
-    """Edges (start, direction, length) of a polygon in units of `scale`; returns how many have a length."""
-    kept = 0
-    for k in range(count):
-        after = (k + 1) % count
-        ex = (corners[after, 0] - corners[k, 0]) / scale
-        ey = (corners[after, 1] - corners[k, 1]) / scale
-        ez = (corners[after, 2] - corners[k, 2]) / scale
-        length = math.sqrt(ex * ex + ey * ey + ez * ez)
-        if length > 0.0:
-            for x in range(3):
-                edges[kept, x] = corners[k, x] / scale
-            edges[kept, 3], edges[kept, 4], edges[kept, 5] = ex / length, ey / length, ez / length
-            edges[kept, 6] = length
-            kept += 1
-    return kept
-
-
-@kernel
-def contour_integral(extent: float, work: Scratch) -> float:
-    """G = 1/2π ∮∮ ln r dp · dq.
-
-    In units of a power of two near the extent of the pair: the logarithms are then small, and a scene scaled by a
-    power of two gives the same digits.
-    """
-    scale = math.ldexp(1.0, math.frexp(extent)[1])
-    p_count = _edges(work.p, int(work.p_frame[7]), scale, work.p_edges)
-    q_count = _edges(work.q, int(work.q_frame[7]), scale, work.q_edges)
-    total = 0.0
-    for i in range(p_count):
-        for j in range(q_count):
-            total += edge_pair(work.p_edges, i, work.q_edges, j, work.x[0], work.x[1])
-    return total * scale * scale / (2.0 * math.pi)
-
-
-@kernel
-def _unclipped(extent: float, work: Scratch) -> float:
-    """G of the polygons in `work`, each in front of the other's plane."""
-    p, q, f, g = work.p, work.q, work.p_frame, work.q_frame
-    distance = math.sqrt((g[3] - f[3]) ** 2 + (g[4] - f[4]) ** 2 + (g[5] - f[5]) ** 2)
-    p_rule, q_rule = _rule((distance - g[6]) / f[6]), _rule((distance - f[6]) / g[6])
-    if p_rule > 0 and q_rule > 0:
-        return _both_apart(p_rule, q_rule, work)
-    if f[6] > g[6]:
-        p, q, f, g = q, p, g, f
-    away = math.sqrt(distance2_to_polygon(f[3], f[4], f[5], q, int(g[7]), g))
-    rule = _rule(away / f[6])
-    if 0 < rule <= LAMBERT_RULE:
-        return _one_apart(p, f, rule, q, int(g[7]), work.x)
-    # Nothing that is in front of a front is negative: what is below zero is rounding, 1e-16 of the extent squared.
-    return max(0.0, contour_integral(extent, work))
-
-
-@kernel
 def _take(corners: FloatArray, frame: FloatArray, origin: FloatArray, out: FloatArray, out_frame: FloatArray) -> None:
     """Copy a polygon and its frame, seen from the centre of another."""
     for k in range(int(frame[7])):
@@ -217,8 +149,11 @@ def _comes_first(a: FloatArray, b: FloatArray) -> bool:
 
 
 @kernel
-def exchange(a: FloatArray, a_frame: FloatArray, b: FloatArray, b_frame: FloatArray, work: Scratch) -> float:
-    """G of two polygons, m²; the same bits for (a, b) and (b, a)."""
+def place(a: FloatArray, a_frame: FloatArray, b: FloatArray, b_frame: FloatArray, work: Scratch) -> float:
+    """Put two polygons into `work`, each cut to what is in front of the other; the same for (a, b) and (b, a).
+
+    Returns the extent of the pair, or 0 if they exchange nothing.
+    """
     if not _comes_first(a_frame, b_frame):
         a, a_frame, b, b_frame = b, b_frame, a, a_frame
     dx, dy, dz = b_frame[3] - a_frame[3], b_frame[4] - a_frame[4], b_frame[5] - a_frame[5]
@@ -236,11 +171,28 @@ def exchange(a: FloatArray, a_frame: FloatArray, b: FloatArray, b_frame: FloatAr
         _cut(work.q, work.q_frame, work.q_heights, tolerance, work.cut)
     if p_low < -tolerance:
         _cut(work.p, work.p_frame, work.p_heights, tolerance, work.cut)
-    return _unclipped(extent, work)
+    return extent
 
 
 @kernel
-def exchange_rows(
+def _apart(work: Scratch) -> float:
+    """G of the polygons in `work` by Gauss rules over both, or `NEAR`."""
+    f, g = work.p_frame, work.q_frame
+    distance = math.sqrt((g[3] - f[3]) ** 2 + (g[4] - f[4]) ** 2 + (g[5] - f[5]) ** 2)
+    p_rule, q_rule = rule_for((distance - g[6]) / f[6]), rule_for((distance - f[6]) / g[6])
+    return _both_apart(p_rule, q_rule, work) if p_rule > 0 and q_rule > 0 else NEAR
+
+
+@kernel
+def columns_of(i: int, columns: int, count: int) -> tuple[int, int]:
+    """Which of `count` polygons row i is paired with, first … last."""
+    if columns == SAME:
+        return i, i + 1
+    return (0 if columns == ALL else i + 1), count
+
+
+@kernel
+def apart_rows(
     a: FloatArray,
     a_frames: FloatArray,
     b: FloatArray,
@@ -249,14 +201,20 @@ def exchange_rows(
     end: int,
     columns: int,
     out: FloatArray,
-) -> None:
-    """Exchange areas of polygons a[begin:end] with polygons b, into rows begin … end of out.
+) -> int:
+    """Exchange areas of polygons a[begin:end] with polygons b, into rows begin … end of out; the first pass.
 
-    `columns` is ALL, LATER (j > i, the others are left alone) or SAME (j = i only, into column 0).
+    `columns` is ALL, LATER (j > i, the others are left alone) or SAME (j = i only, into column 0). Returns how many
+    are `NEAR`.
     """
     work = new_scratch()
+    near = 0
     for i in range(begin, end):
-        first = 0 if columns == ALL else (i if columns == SAME else i + 1)
-        last = i + 1 if columns == SAME else len(b)
+        first, last = columns_of(i, columns, len(b))
         for j in range(first, last):
-            out[i, 0 if columns == SAME else j] = exchange(a[i], a_frames[i], b[j], b_frames[j], work)
+            found = 0.0
+            if place(a[i], a_frames[i], b[j], b_frames[j], work) > 0.0:
+                found = _apart(work)
+            out[i, 0 if columns == SAME else j] = found
+            near += found == NEAR
+    return near

@@ -16,6 +16,7 @@ MODULES = (
     "frames",
     "gauss",
     "kernel",
+    "near_kernels",
     "point_to_polygon",
     "polygon_kernels",
 )  # whose kernels call each other, or hold each other's constants

@@ -85,9 +85,9 @@ class Work:
         to = np.concatenate([spread, CORNER_SAMPLES[np.where(quad, 0, 1)]], axis=1)
         rays = to.shape[1]
         middle, ends = (np.empty((len(some) * rays, 3), dtype=np.float32) for _ in range(2))
-        ray_origins(self.of_groups, some, rays, np.ascontiguousarray(to.reshape(-1, 2).T), ends)
+        ray_origins(self.of_groups, some, np.ascontiguousarray(to.reshape(-1, 2).T), ends)
         centre = np.stack([np.where(quad, 0.5, 4.0 / 9.0), np.full(len(some), 0.5)])
-        ray_origins(self.of_groups, some, rays, np.repeat(centre, rays, axis=1), middle)
+        ray_origins(self.of_groups, some, np.repeat(centre, rays, axis=1), middle)
         way = ends - middle
         free = self._distance(middle, way) > (1.0 - GRAZE) * np.linalg.norm(way, axis=1)
         return free.reshape(len(some), rays).all(axis=1)
@@ -135,8 +135,8 @@ class Work:
         triangle = np.where(self.groups.grid.faces.quad[self.groups.face[group]], 0, 1)
         samples[:2] = np.repeat(CORNER_SAMPLES[triangle, corner].T, rays, axis=1)
         origins, directions = (np.empty((samples.shape[1], 3), dtype=np.float32) for _ in range(2))
-        ray_origins(self.of_groups, group, rays, samples, origins)
-        ray_directions(self.of_groups, group, rays, samples, directions)
+        ray_origins(self.of_groups, group, samples, origins)
+        ray_directions(self.of_groups, group, samples, directions)
         return origins, directions
 
     def lit(self, levels: Levels, emitters: Emitters | None, dtype: Float, again: Again) -> TwoLevelFactors:

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ..errors import ParameterError
 from ..patches import Patches
-from ..rays import FaceTable, Tracer, patch_points
-from ..sequences import BITS_TO_UNIT, high_bits, key, seed_key, sobol_points
+from ..rays import FaceTable, Tracer
+from ..sequences import keys, seed_key, sobol_points
 from .assembly import RowBlock, RowMaker, count_hits
 from .direct_light import DirectLight, worthwhile_emitters
+from .starts import numbers, starts
 
 LEAST_LIGHT_RAYS = 256  # by default
 DIRECT = 1 << 40  # which of the numbers below a replicate's key are for shadow rays: no patch's
@@ -148,48 +149,42 @@ def cosine_rays(
     directions = np.empty_like(origins)
     samples = np.empty((4, len(origins)))
     ray_samples(patch, rays, points, run, samples)
-    ray_origins(places, patch, rays, samples, origins)
-    ray_directions(places, patch, rays, samples, directions)
+    ray_origins(places, patch, samples, origins)
+    ray_directions(places, patch, samples, directions)
     return origins, directions
 
 
-@numba.njit(nogil=True, cache=True)
-def ray_samples(patch, rays, points, run, out):  # type: ignore[no-untyped-def]
+def ray_samples(
+    patch: NDArray[np.int64], rays: int, points: NDArray[np.uint32], run: np.uint64, out: NDArray[np.float64]
+) -> None:
     """Write to out (4, len(patch) × rays) the numbers in [0, 1) of each ray, see `cosine_rays`."""
-    for n in range(patch.shape[0]):
-        first = n * rays
-        own = key(np.uint64(run), np.uint64(patch[n]))
-        if points.shape[1] > 0:
-            for d in range(4):
-                shift = high_bits(key(own, d))
-                for r in range(rays):
-                    out[d, first + r] = (points[d, r] ^ shift) * BITS_TO_UNIT
-        else:
-            for r in range(rays):
-                ray = key(own, r + 4)
-                for d in range(4):
-                    out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
+    numbers(keys(run, patch), points, True, rays, out)
 
 
-@numba.njit(nogil=True, cache=True)
-def ray_origins(places, patch, rays, samples, out):  # type: ignore[no-untyped-def]
+def ray_origins(
+    places: Places, patch: NDArray[np.int64], samples: NDArray[np.float64], out: NDArray[np.float32]
+) -> None:
     """Write to out (len(patch) × rays, 3) points on some patches, lifted, at samples[0], samples[1] in [0, 1)."""
-    for n in range(patch.shape[0]):
-        here = slice(n * rays, (n + 1) * rays)
-        i = patch[n]
-        f, up = places.face[i], np.float64(places.side[i])
-        cell = i - (places.front[f] if up > 0 else places.back[f])
-        patch_points(places.table, f, cell, up, samples[0, here], samples[1, here], out[here])
+    face, up = places.face[patch].astype(np.int64), places.side[patch].astype(np.float64)
+    cell = patch - np.where(up > 0.0, places.front[face], places.back[face])
+    starts(places.table, face, cell, up, samples[0], samples[1], out)
+
+
+def ray_directions(
+    places: Places, patch: NDArray[np.int64], samples: NDArray[np.float64], out: NDArray[np.float32]
+) -> None:
+    """Write to out (len(patch) × rays, 3) cosine-distributed directions, at samples[2], samples[3] in [0, 1)."""
+    face, up = places.face[patch].astype(np.int64), places.side[patch].astype(np.float64)
+    _directions(places.table.tangent, places.table.normal, face, up, samples[2], samples[3], out)
 
 
 @numba.njit(nogil=True, cache=True)
-def ray_directions(places, patch, rays, samples, out):  # type: ignore[no-untyped-def]
-    """Write to out (len(patch) × rays, 3) cosine-distributed directions, at samples[2], samples[3] in [0, 1)."""
-    for n in range(patch.shape[0]):
-        here = slice(n * rays, (n + 1) * rays)
-        f, up = places.face[patch[n]], np.float64(places.side[patch[n]])
-        table = places.table
-        cosine_directions(table.tangent[f], table.normal[f], up, samples[2, here], samples[3, here], out[here])
+def _directions(tangent, normal, face, side, s, t, out):  # type: ignore[no-untyped-def]
+    """Fill out (patches × rays, 3) with `cosine_directions` of many patches."""
+    rays = s.shape[0] // max(face.shape[0], 1)
+    for p in range(face.shape[0]):
+        here = slice(p * rays, (p + 1) * rays)
+        cosine_directions(tangent[face[p]], normal[face[p]], side[p], s[here], t[here], out[here])
 
 
 @numba.njit(nogil=True, cache=True)

@@ -117,10 +117,9 @@ def gauss_points(
 @kernel
 def polygon_points(corners: FloatArray, count: int, normal: FloatArray, rule: int, points: FloatArray) -> int:
     """Gauss points and area weights on a convex polygon of 3 … 6 corners, (4, …); returns how many."""
-    last = min(3, count - 1)
-    at = gauss_points(corners, 0, 1, 2, last, normal, rule, points, 0)
-    if count > 4:
-        at = gauss_points(corners, 0, 3, 4, min(5, count - 1), normal, rule, points, at)
+    at = 0
+    for k in range(0, count - 2, 2):
+        at = gauss_points(corners, 0, k + 1, k + 2, min(k + 3, count - 1), normal, rule, points, at)
     return at
 
 

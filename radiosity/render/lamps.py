@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..form_factors.kernel import kernel
 from ..form_factors.polygon_kernels import MAX_CORNERS, clip_to_front, lambert
 from ..patches import Patches
-from ..rays import FaceTable, Tracer, patch_point
+from ..rays import Tracer, patch_point
 from ..sequences import BITS_TO_UNIT, high_bits, key
 from .kernels import FloatArray
 
@@ -90,17 +90,6 @@ def emitters_of(patches: Patches, tracer: Tracer) -> Emitters:
         emission=emission,
         strength=emission.sum(axis=1),
     )
-
-
-def in_one_layout(table: FaceTable) -> FaceTable:
-    """The same table with every array in C order, so that kernels are compiled once for all scenes."""
-    return FaceTable(*(np.ascontiguousarray(part) for part in table))  # type: ignore[arg-type]
-
-
-def whole_faces(tracer: Tracer) -> FaceTable:
-    """The table of the faces as if none were cut, for points on whole emitters."""
-    one_cell = np.ones(len(tracer.table.quad), dtype=np.int32)
-    return in_one_layout(tracer.table._replace(columns=one_cell, rows=one_cell))
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..patches import Patches
-from ..rays import Tracer
+from ..rays import Tracer, whole_faces
 from ..sequences import BITS_TO_UNIT, seed_key, sobol_points
 from .aim import Targets, aimed_rays
 from .gather import Near, add_near, gather_rays, near_rays, sum_gathered
@@ -18,10 +18,8 @@ from .lamps import (
     count_seen,
     direct_irradiance,
     emitters_of,
-    in_one_layout,
     look_for_emitters,
     shadow_rays,
-    whole_faces,
 )
 from .share import MOMENTS, TILE
 
@@ -71,7 +69,7 @@ class StripTracer:
         self.tracer, self.camera_tracer = tracer, camera_tracer
         self.targets, self.view, self.samples = targets, view, samples
         self.emitters = emitters_of(patches, tracer)
-        self.table, self.whole = in_one_layout(tracer.table), whole_faces(tracer)
+        self.table, self.whole = tracer.table, whole_faces(tracer.table)
         self.room = _room(patches, tracer, light, targets)
         self.passes_on = bool(light.direct.any())  # whether direct light goes on from patches at all
         self.seed = seed
