@@ -85,6 +85,9 @@ def exposure_value(factor: float) -> float:
     return math.log2(factor)
 
 
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def factor_text(factor: float) -> str:
     """A factor for a label, with its exposure value.
 
@@ -92,9 +95,14 @@ def factor_text(factor: float) -> str:
     '×453, +8.8 EV'
     >>> factor_text(0.118)
     '×0.118, −3.1 EV'
+    >>> factor_text(139_800.0)
+    '×1.4·10⁵, +17.1 EV'
     """
     ev = exposure_value(factor)
-    number = f"{factor:.3g}" if factor < 1e4 else f"{factor:.1e}"
+    number = f"{factor:.3g}"
+    if factor >= 1e4:
+        digits, exponent = f"{factor:.1e}".split("e")
+        number = f"{digits}·10{str(int(exponent)).translate(SUPERSCRIPTS)}"
     return f"×{number}, {'−' if round(ev, 1) < 0 else '+'}{abs(ev):.1f} EV"
 
 

@@ -72,7 +72,7 @@ def test_one_stop_doubles_the_light() -> None:
         (0.99, "×0.99, +0.0 EV"),
         (453, "×453, +8.8 EV"),
         (0.5, "×0.5, −1.0 EV"),
-        (2e6, "×2.0e+06, +20.9 EV"),
+        (2e6, "×2.0·10⁶, +20.9 EV"),
     ],
 )
 def test_factors_are_printed_with_their_exposure_value(factor: float, text: str) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,11 +21,14 @@ from ..camera import Camera, presets
 from ..errors import ParameterError
 from ..transport import TransportOperator
 from . import probe
+from .coverage import Coverage
 from .drawing import Drawing
 from .inspect import MatrixView
 from .overlay import CHANNEL_COLOURS, FAINT, HERE, INK
 from .overlay import PANEL as PAPER
-from .state import PANES, Pane, Series, ViewState, caption, in_words, mathtext, start
+from .sheet import Sheet
+from .state import PANES, Pane, Series, ViewState, picture, start
+from .titles import caption, in_words, mathtext
 
 if TYPE_CHECKING:
     from ..patches import Patches
@@ -36,6 +40,7 @@ CHANNEL_MARKS = ("o", "s", "^")
 CHANNEL_NAMES = ("red", "green", "blue")
 MOST_COLUMNS = 7
 SHEET_PANE = 300  # pixels
+SAMPLES = 3  # each way in a pixel of the sheet
 
 
 class Stage:
@@ -102,7 +107,7 @@ def write_pictures(solution: Solution, folder: str | Path, *, orders: Sequence[i
     series = Series.of(solution)
     written = [folder / "orders.png", folder / "power.png", folder / "sum.png"]
     last = start(series, order=series.last)
-    with Stage(solution.patches, (2 * SHEET_PANE, 2 * SHEET_PANE)) as stage:
+    with Stage(solution.patches, (SAMPLES * SHEET_PANE, SAMPLES * SHEET_PANE)) as stage:
         save_image(written[2], stage.image(series, last, "sum"))
         for k in orders:
             written.append(folder / f"order_{k}.png")
@@ -196,79 +201,53 @@ def contact_sheet(
     series = series or Series.of(solution)
     shown = columns(series.last) if orders is None else list(orders)
     state = start(series, **settings)
-    with Stage(solution.patches, (2 * pane_size, 2 * pane_size), camera, state.preset) as stage:
+    with Stage(solution.patches, (SAMPLES * pane_size, SAMPLES * pane_size), camera, state.preset) as stage:
         return _sheet(solution, series, shown, state, stage)
 
 
 def _sheet(solution: Solution, series: Series, shown: Sequence[int], state: ViewState, stage: Stage) -> Figure:
-    """The contact sheet, with panes half the size of the stage."""
+    """The contact sheet, with panes smaller than the stage by `SAMPLES`."""
     rows: list[tuple[Pane, bool, str]] = [
         ("order", False, "each bounce,\ncommon exposure"),
         ("order", True, "each bounce,\nits own exposure"),
         ("sum", False, "all light so far"),
     ]
-    sheet = _Sheet(len(shown), len(rows), stage.plotter.window_size[0] // 2)
+    sheet = Sheet(len(shown), len(rows), stage.plotter.window_size[0] // SAMPLES)
+    panes = _panes(series, state, stage)
     for row, (pane, normalised, title) in enumerate(rows):
         sheet.row_title(row, title)
         for column, k in enumerate(shown):
             here = replace(state.at(k), normalised=normalised)
-            words = display.factor_text(float(series.own[k])) if normalised else in_words(k)
-            if pane == "sum":
-                words = "" if column else "the lamps"
-            elif normalised and not series.orders[k].any():
-                words = "no light of this order"
-            sheet.pane(row, column, halved(stage.image(series, here, pane)), mathtext(k, pane), words)
-    sheet.foot(f"{solution.patches.name} · {len(solution.patches):,} patches · {caption(series, state, 'sum')}")
-    return sheet.figure
+            sheet.pane(row, column, panes(here, pane), mathtext(k, pane), _words(series, k, pane, normalised))
+    by_channel = ", red / green / blue" if series.power.shape[1] == 3 else ""
+    name = f"{solution.patches.name} · {len(solution.patches):,} patches"
+    sheet.foot(f"{name} · {caption(series, state, 'sum')} · W: power that leaves all surfaces{by_channel}")
+    return sheet.finished()
 
 
-_STEPS = 1 << 14  # of light between 0 and 1: finer than the darkest byte, a thousand times faster than a power
-_LIGHT_OF_BYTE = np.rint(display.decode_srgb(np.arange(256, dtype=np.uint8)) * _STEPS).astype(np.int32)
-_BYTE_OF_LIGHT = display.encode_srgb(np.arange(_STEPS + 1) / _STEPS)
+def _words(series: Series, k: int, pane: Pane, normalised: bool) -> str:
+    """What to say beside the formula of a pane."""
+    if pane == "sum":
+        power = series.power[: k + 1].sum(axis=0)
+        return " / ".join(f"{watts:.3g}" for watts in (power if len(power) <= 3 else [power.sum()])) + " W"
+    if normalised:
+        return display.factor_text(float(series.own[k])) if series.orders[k].any() else "no light of this order"
+    return in_words(k)
 
 
-def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture at half its size, each pixel the mean light of four."""
-    light = _LIGHT_OF_BYTE[image]
-    mean = light[::2, ::2] + light[1::2, ::2] + light[::2, 1::2] + light[1::2, 1::2]  # of four in units of ¼ / STEPS
-    return _BYTE_OF_LIGHT[(mean + 2) >> 2]
+def _panes(series: Series, state: ViewState, stage: Stage) -> Callable[[ViewState, Pane], NDArray[np.uint8]]:
+    """What makes the pictures of a sheet: from one drawing where patches have plain colours, else each drawn anew."""
+    if state.smooth or state.wireframe or state.backs:
+        return lambda here, pane: shrunk(stage.image(series, here, pane), SAMPLES)
+    coverage = Coverage(stage.drawing, series, state, SAMPLES)
+    return lambda here, pane: coverage.picture(picture(series, here, pane))
 
 
-class _Sheet:
-    """Panes in rows and columns, with room for words beside and above them, never on them. Lengths in pixels."""
-
-    left, gap, head, bottom = 190, 14, 72, 46
-
-    def __init__(self, columns: int, rows: int, pane: int) -> None:
-        self.pane_size = pane
-        self.width = self.left + columns * (pane + self.gap) + self.gap
-        self.height = rows * (pane + self.head) + self.bottom
-        self.figure = Figure(figsize=(self.width / 100.0, self.height / 100.0), dpi=100, facecolor=PAPER)
-        FigureCanvasAgg(self.figure)
-
-    def _place(self, row: int, column: int) -> tuple[float, float]:
-        """Upper left corner of a pane, from the upper left of the sheet."""
-        return self.left + column * (self.pane_size + self.gap), row * (self.pane_size + self.head) + self.head
-
-    def pane(self, row: int, column: int, image: NDArray[np.uint8], title: str, words: str) -> None:
-        x, y = self._place(row, column)
-        size = self.pane_size
-        box = (x / self.width, 1.0 - (y + size) / self.height, size / self.width, size / self.height)
-        axes = self.figure.add_axes(box)
-        axes.imshow(image, interpolation="none")
-        axes.set_axis_off()
-        self._text(x, y - 30, title, INK, 15, va="center")
-        self._text(x + size, y - 30, words, FAINT, 10.5, va="center", ha="right")
-
-    def row_title(self, row: int, title: str) -> None:
-        _, y = self._place(row, 0)
-        self._text(self.gap + 10, y + self.pane_size / 2.0, title, INK, 12.5, va="center", linespacing=1.5)
-
-    def foot(self, words: str) -> None:
-        self._text(self.left, self.height - 16, words, FAINT, 10.5)
-
-    def _text(self, x: float, y: float, words: str, colour: str, size: float, **style: Any) -> None:
-        self.figure.text(x / self.width, 1.0 - y / self.height, words, color=colour, fontsize=size, **style)
+def shrunk(image: NDArray[np.uint8], by: int) -> NDArray[np.uint8]:
+    """A picture at a fraction of its size, each pixel the mean light of by × by."""
+    height, width = image.shape[0] // by, image.shape[1] // by
+    light = display.decode_srgb(image[: height * by, : width * by]).reshape(height, by, width, by, -1)
+    return display.encode_srgb(light.mean(axis=(1, 3)))
 
 
 def power_plot(series: Series, order: int | None = None, size: tuple[float, float] = (7.2, 4.2)) -> Figure:
@@ -284,8 +263,9 @@ def power_plot(series: Series, order: int | None = None, size: tuple[float, floa
     """
     figure = Figure(figsize=size, dpi=100, facecolor=PAPER)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.11, 0.13, 0.86, 0.83))
+    axes = figure.add_axes((0.11, 0.13, 0.8, 0.77))
     draw_power(axes, series, order)
+    figure.text(0.11, 0.935, "power that leaves all surfaces with each bounce", color=INK, fontsize=11)
     return figure
 
 
@@ -319,6 +299,12 @@ def matrix_plot(solution: Solution, patch: int = -1, channel: int = 0, size: flo
     return figure
 
 
+def _power_of_ten(value: float, _position: float) -> str:
+    """A label of a logarithmic axis, in plain Unicode: mathtext takes thirty milliseconds for each."""
+    exponent = round(math.log10(value))
+    return str(10**exponent) if 0 <= exponent <= 2 else f"10{str(exponent).translate(display.SUPERSCRIPTS)}"
+
+
 def draw_power(axes: Axes, series: Series, order: int | None = None) -> None:
     """Curves of power per bounce, one for each channel, named at their ends."""
     channels = series.power.shape[1]
@@ -332,6 +318,8 @@ def draw_power(axes: Axes, series: Series, order: int | None = None) -> None:
             axes.annotate(CHANNEL_NAMES[c], end, (8, 0), textcoords="offset points", color=colour, va="center")
     if (series.power > 0.0).any():
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(_power_of_ten)
+        axes.minorticks_off()
     if order is not None:
         axes.axvline(order, color=HERE, linewidth=1.4, zorder=0)
     axes.set_facecolor(PAPER)

@@ -23,7 +23,6 @@ def units(photometric: bool) -> Units:
     return Units("lux", "cd/m²", "lm") if photometric else Units("W/m²", "W/(m² sr)", "W")
 
 
-SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
@@ -34,7 +33,7 @@ def formula(order: int, pane: Pane) -> str:
     ('T¹² Lₑ', 'Σ₀…₃ Tʲ Lₑ')
     """
     if pane == "order":
-        return f"T{str(order).translate(SUPERSCRIPTS)} Lₑ"
+        return f"T{str(order).translate(display.SUPERSCRIPTS)} Lₑ"
     return f"Σ₀…{str(order).translate(SUBSCRIPTS)} Tʲ Lₑ"
 
 

@@ -19,8 +19,10 @@ import numpy as np
 import radiosity as rad
 from radiosity.form_factors import monte_carlo
 from radiosity.form_factors.assembly import RowBlock, count_hits
+from radiosity.form_factors.starts import numbers, starts
 from radiosity.parallel import blocks
 from radiosity.rays import Tracer, _find_patches
+from radiosity.sequences import keys
 
 REPEATS = 5
 
@@ -42,19 +44,22 @@ def steps(maker: monte_carlo._BlockOfRows, span: tuple[int, int]) -> dict[str, f
     rays, rows = (end - begin) * each, end - begin
     origins, directions = np.empty((rays, 3), np.float32), np.empty((rays, 3), np.float32)
     samples = np.empty((4, rays))
-    place = tracer.table, patches.face, patches.side
+    number = np.arange(begin, end)
+    face, up = patches.face[begin:end].astype(np.int64), patches.side[begin:end].astype(np.float64)
+    cell = number - np.where(up > 0.0, grid.front[face], grid.back[face])
+    frame = tracer.table.tangent, tracer.table.normal
     found: dict[str, float] = {}
 
     def timed(name: str, work: Callable[[], object]) -> object:
         found[name] = fastest(work, rays)
         return work()
 
-    timed("low-discrepancy numbers", lambda: monte_carlo._samples(begin, end, each, maker.points, maker.run, samples))
+    timed("low-discrepancy numbers", lambda: numbers(keys(maker.run, number), maker.points, True, each, samples))
     timed(
         "points on the patch",
-        lambda: monte_carlo._origins(*place, grid.front, grid.back, begin, end, each, samples, origins),
+        lambda: starts(tracer.table, face, cell, up, samples[0], samples[1], origins),
     )
-    timed("cosine directions", lambda: monte_carlo._directions(*place, begin, end, each, samples, directions))
+    timed("cosine directions", lambda: monte_carlo._directions(*frame, face, up, samples[2], samples[3], directions))
     timed("Embree alone", lambda: tracer._scene.run(origins, directions))
     hits = tracer._scene.run(origins, directions, output=True)
     with_uv = fastest(lambda: tracer._scene.run(origins, directions, output=True), rays)
