@@ -88,12 +88,10 @@ def light(F: csr_array, patches: rad.Patches) -> np.ndarray:
     return total
 
 
-def reference(patches: rad.Patches) -> tuple[np.ndarray, float]:
+def reference(patches: rad.Patches, rays: int) -> tuple[np.ndarray, float]:
     """Converged B - E, and its own error."""
     found = [
-        light(
-            rad.form_factors(patches, rad.MonteCarlo(1 << 14, seed, light_rays=8192), dtype=np.float64).matrix, patches
-        )
+        light(rad.form_factors(patches, rad.MonteCarlo(rays, seed, light_rays=8192), dtype=np.float64).matrix, patches)
         for seed in (1001, 1002)
     ]
     mean = np.mean(found, axis=0)
@@ -126,6 +124,7 @@ def main() -> None:
     parser.add_argument("--install", action="store_true", help="make them with pip")
     parser.add_argument("--patches", type=int, nargs="+", default=[500, 2000, 8000])
     parser.add_argument("--peers", nargs="*", default=PEERS, choices=PEERS)
+    parser.add_argument("--reference", type=int, default=1 << 14, help="rays a patch of the converged answer's halves")
     parser.add_argument("--timeout", type=float, default=300.0, help="seconds for a peer and a size")
     options = parser.parse_args()
     for name in options.peers if options.install else ():
@@ -136,7 +135,7 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|---|")
     for count in options.patches:
         patches = room(count)
-        true, own = reference(patches)
+        true, own = reference(patches, options.reference)
         for name in options.peers:
             found = run_peer(name, options.pythons / name / "bin" / "python", patches, options.timeout)
             text = f"| {len(patches)} | {name} | {found} | | | | | |" if isinstance(found, str) else ""
