@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import ParameterError
 from ..memory import gigabytes, limit_bytes, refuse_above
 from ..parallel import blocks, ordered_map, thread_count
 from ..patches import Patches
@@ -93,6 +94,11 @@ def predict(
     -------
     Cost
 
+    Raises
+    ------
+    ParameterError
+        An estimator that has no rows to make a sample of: `TwoLevel`, which checks its own memory on the way.
+
     Examples
     --------
     >>> import radiosity as rad
@@ -105,6 +111,8 @@ def predict(
     from .monte_carlo import MonteCarlo
 
     estimator = MonteCarlo() if estimator is None else estimator
+    if not hasattr(estimator, "rows"):
+        raise ParameterError(f"{estimator} does not work row by row, so that a sample of rows tells nothing about it")
     begin = time.perf_counter()
     tracer = Tracer(patches.grid) if tracer is None else tracer
     makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]

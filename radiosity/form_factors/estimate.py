@@ -113,17 +113,19 @@ def form_factors(
         return levels
     makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
     check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
-    key = fingerprint(patches, estimator, kind) if executor is not None or checkpoint is not None else ""
-    kept = None
+    key, kept = "", None
+    if executor is not None or checkpoint is not None:
+        key = fingerprint(patches, estimator, kind)
+    elif isinstance(makers[0], ExactRows):
+        makers[0].at_once(threads)
     if checkpoint is not None:
         kept = Checkpoint(checkpoint, key, f"{patches.name}, {len(patches)} patches, by {estimator}, {np.dtype(kind)}")
-    elif executor is None and isinstance(makers[0], ExactRows):
-        makers[0].at_once(threads)
-    tell = progress or quiet
-    runs = []
-    for replicate, maker in enumerate(makers):
-        work = RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor)
-        runs.append(_assemble(work, kept, tell))
+    runs = [
+        _assemble(
+            RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor), kept, progress or quiet
+        )
+        for replicate, maker in enumerate(makers)
+    ]
     factors = _with_replicates(runs, patches, estimator, kind, threads)
     seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
     factors.statistics.update(_counters(factors, estimator, patches), **seconds)

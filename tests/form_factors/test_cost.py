@@ -73,6 +73,11 @@ def test_a_limit_between_what_it_takes_and_the_worst_case_lets_it_through():
         rad.form_factors(patches, method, memory_limit=0.5 * least)
 
 
+def test_what_has_no_rows_has_no_sample_of_them():
+    with pytest.raises(ParameterError, match="TwoLevel.* row by row"):
+        predict(rad.subdivide(rad.scenes.furnace()), rad.TwoLevel())
+
+
 @pytest.mark.parametrize("limit", [0, -1, float("nan")])
 def test_a_limit_that_is_none(limit):
     with pytest.raises(ParameterError, match="memory_limit"):
