@@ -14,6 +14,7 @@ from ..errors import ParameterError
 from ..patches import Patches
 from ..rays import FaceTable, Tracer
 from ..sequences import keys, seed_key, sobol_points
+from . import ahead
 from .assembly import RowBlock, RowMaker, count_hits
 from .direct_light import DirectLight, worthwhile_emitters
 from .starts import numbers, starts
@@ -107,6 +108,7 @@ class _BlockOfRows:
         self.direct: DirectLight | None = None
         self.exact_columns: NDArray[np.bool_] | None = None
         if emitters is not None:
+            ahead.begin()
             run = seed_key(method.seed, replicate, DIRECT)
             self.direct = DirectLight(patches, tracer, emitters, light_rays, run, method.sampling)
             self.exact_columns = emitters.columns
@@ -123,7 +125,10 @@ class _BlockOfRows:
         places = Places(self.tracer.table, self.patches.face, self.patches.side, grid.front, grid.back)
         origins, directions = cosine_rays(places, np.arange(begin, end), self.rays, self.points, self.run)
         rows = RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
-        return rows if self.direct is None else self.direct.put_into(rows, self.rays)
+        if self.direct is None:
+            return rows
+        ahead.ready()
+        return self.direct.put_into(rows, self.rays)
 
 
 class Places(NamedTuple):
