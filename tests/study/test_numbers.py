@@ -59,8 +59,13 @@ def test_an_exponent_is_found_within_its_error(power):
 
 def test_too_few_places_are_no_fit():
     assert exponent([1, 1, 2, 2], [1.0, 1.1, 2.0, 2.1]) is None
-    assert exponent([1, 2, 4], [1.0, 2.0, 4.0]) is None
-    assert exponent([1, 2, 4, 8], [1.0, 2.0, 4.0, 0.0]) is None
+    assert exponent([1, 2, 4], [1.0, 2.0, 0.0]) is None
+
+
+def test_a_run_that_is_only_repeated_says_nothing_new():
+    once = exponent([1, 2, 4, 8], [1.0, 2.1, 3.8, 8.3])
+    assert exponent([1, 2, 4, 8] * 3, [1.0, 2.1, 3.8, 8.3] * 3) == once
+    assert once.error > 0.02
 
 
 def test_the_cost_of_one_error_grows_by_both_error_and_time():
