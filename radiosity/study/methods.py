@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
 import radiosity as rad
 
-from ..errors import OccludedSceneError
+from ..errors import OccludedSceneError, ParameterError
 from ..form_factors.analytic import check_unoccluded
+from ..form_factors.two_level import lamps
 from ..patches import Patches
 
 BOUNCES = 8  # orders that are compared one by one
+LEAST_TWO_LEVEL = 900  # patches; made for far more
 MOST_ANALYTIC = 4500  # patches, whose exact factors take 0.3 GB
 
 
@@ -104,14 +107,23 @@ def _walks(few: bool) -> Iterator[Method]:
             yield Method(family, f"{paths} paths", paths, partial(rad.PathTracer, paths, **settings))
 
 
+def _seeded(kind: Any, settings: dict[str, Any], seed: int) -> Any:
+    return kind(**settings, seed=seed)
+
+
 def _whatever_seed(method: Any, _seed: int) -> Any:
     return method
 
 
 def _two_levels(patches: Patches, few: bool) -> Iterator[Method]:
-    """The two-level operator has no place here until the package has one."""
-    del patches, few
-    yield from ()
+    """Where there are enough patches to group them, and few enough lamps to look at each."""
+    if len(patches) < LEAST_TWO_LEVEL:
+        return
+    with suppress(ParameterError):  # too many lamps
+        lamps(patches, rad.TwoLevel().light_rays)
+        for rays in (256, 1024) if few else (256, 1024, 4096):
+            settings = {"group_rays": rays, "rays": rays // 8, "light_rays": max(64, rays // 4)}
+            yield Method("two levels", f"{rays} rays", rays, partial(_seeded, rad.TwoLevel, settings))
 
 
 def is_convex(patches: Patches) -> bool:
