@@ -17,6 +17,7 @@ from radiosity.study import study as module
 from radiosity.study.families import SCENE_FAMILIES, by_parameter
 from radiosity.study.ledger import Ledger
 from radiosity.study.memory import PeakMemory
+from radiosity.study.methods import methods
 from radiosity.study.outputs import findings, write
 from radiosity.study.plots import SOLVERS
 from radiosity.study.reference import Effort
@@ -51,6 +52,21 @@ def test_every_method_is_run_as_often_as_asked_and_judged(made):
         assert len(record["sampling_by_order"]) == 8
     worst = {record["family"]: record["sampling_l2"] for record in records if record["budget"] == "1024 rays"}
     assert worst["apart"] < 0.5 * worst["sobol"] < worst["random"]
+
+
+@pytest.mark.parametrize(
+    ("scene", "count", "special"),
+    [
+        (rad.scenes.cornell_box(), 100, set()),
+        (rad.scenes.cornell_box(), 1000, {"two levels"}),
+        (rad.scenes.open_rug(), 100, {"analytic"}),
+        (rad.scenes.open_rug(), 1000, {"analytic", "two levels"}),
+    ],
+)
+def test_methods_are_compared_where_they_fit(scene, count, special):
+    found = {method.family for method in methods(rad.subdivide(scene, patch_count=count))}
+    assert found & {"analytic", "two levels"} == special
+    assert len(found - special) == 7
 
 
 def test_runs_are_shuffled(made):
