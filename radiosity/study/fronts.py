@@ -52,7 +52,7 @@ def sentences(rows: Sequence[Record]) -> list[str]:
 def _sentence(target: float, best: list[Record], rows: Sequence[Record]) -> str:
     first, *others = best
     place = f"{first['budget']} on {first['patches']:,} patches"
-    memory = "" if first["bytes_peak"] is None else f" and {first['bytes_peak'] / 1e6:.0f} MB"
+    memory = "" if first["bytes_peak"] is None else f" and {first['bytes_peak'] / 1e6:.2g} MB"
     head = (
         f"To {100 * target:g} %: {FAMILIES[first['family']].title}, {place}, in {first['seconds']:.2g} s"
         f"{memory} (error {100 * first['total_l2']:.2g} %)"

@@ -3,6 +3,7 @@
 Allocators are asked for more than is touched (rows of form factors are reserved for the worst case), so that what
 they count is not what the work needs. Linux counts the pages that are really there and keeps their peak, which can be
 set back: that is measured here, after memory that was freed has been given back.
+What libraries keep for the next time (some ten megabytes of rays, say) shows in the first run alone that needs it.
 """
 
 from __future__ import annotations

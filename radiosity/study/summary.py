@@ -38,12 +38,16 @@ def on_clock(records: Iterable[Record], clock: str) -> list[Record]:
 
 
 def method_rows(records: Iterable[Record]) -> list[Record]:
-    """One row a subject, family and budget: medians, and the least and largest of seconds and errors."""
+    """One row a subject, family and budget: medians, and the least and largest of seconds and errors.
+
+    Of peaks of memory the largest: where a run is given pages that the process had kept, less of it shows.
+    """
     rows = []
     for about, runs in grouped(records, ABOUT).items():
         row: Record = dict(zip(ABOUT, about, strict=True)) | {"runs": len(runs)}
         for name in MEASURED:
             row[name] = _median(runs, name)
+        row["bytes_peak"] = _ends(runs, "bytes_peak")[1]
         for name in ("seconds", "sampling_l2", "total_l2"):
             row[f"{name}_least"], row[f"{name}_most"] = _ends(runs, name)
         row["by_order"] = _by_order(runs)
