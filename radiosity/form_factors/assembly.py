@@ -19,7 +19,8 @@ FloatArray = NDArray[np.float64]
 Float = type[np.float32] | type[np.float64]
 
 MEAN_ENTRIES = 1 << 18  # of all estimates, that are added at a time
-ROOM = 1.02  # taken for entries still to come, over what the rows so far foretell
+FIRST_ROOM = 1.5  # taken at first, over what the first rows foretell: pages that are never written cost nothing
+MORE_ROOM = 1.05  # and where that was too little: numpy writes zeros into what it adds
 ONE = np.uint64(1)
 DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)  # its 64 runs of six bits are all different
 BIT_OF = np.zeros(64, dtype=np.int64)
@@ -129,7 +130,8 @@ def stack_rows(
     for block in made:
         rows, entries = slice(block.begin, block.end), slice(filled, filled + len(block.indices))
         if entries.stop > len(indices):
-            room = max(entries.stop, int(ROOM * entries.stop / block.end * count))
+            factor = MORE_ROOM if len(indices) else FIRST_ROOM
+            room = max(entries.stop, int(factor * entries.stop / block.end * count))
             indices, data = _with_room(indices, room), _with_room(data, room)
         indptr[rows.start + 1 : rows.stop + 1] = filled + np.cumsum(block.lengths)
         indices[entries], data[entries] = block.indices, block.weights
