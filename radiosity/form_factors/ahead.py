@@ -21,7 +21,7 @@ from ..rays import Tracer
 from ..scenes import cornell_box
 from ..sequences import seed_key
 from .assembly import RowBlock
-from .direct_light import DirectLight, IntArray, Seen, worthwhile_emitters
+from .direct_light import DirectLight, IntArray, _Seen, worthwhile_emitters
 from .exchange_kernels import apart_rows
 
 SECONDS = 120.0  # to wait for at most; compiling takes a tenth
@@ -77,8 +77,8 @@ def _found() -> bool:
 class _Unseen(DirectLight):
     """Direct light without rays: their kernels are the other process's work."""
 
-    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> Seen:  # noqa: ARG002
-        return Seen(np.full((len(pairs), count), -1, dtype=np.int32), np.zeros((len(pairs), count)))
+    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> _Seen:  # noqa: ARG002
+        return _Seen(np.full((len(pairs), count), -1, dtype=np.int32), np.zeros((len(pairs), count)))
 
 
 def compile_direct_light() -> None:

@@ -106,7 +106,7 @@ def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitter
     return Emitters(face.astype(np.int32), side.astype(np.int8), corners, of_patch, place)
 
 
-class Seen(NamedTuple):
+class _Seen(NamedTuple):
     """Shadow rays of pairs (pairs, count): patch of the emitter met, -1 if something else was, and kernel."""
 
     met: NDArray[np.int32]
@@ -194,7 +194,7 @@ class DirectLight:
         entries = _collect(row, emitter, factors[row, emitter], undecided, first, more, counted, places)
         return entries, first.met.size + at_corners.met.size + more.met.size
 
-    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> Seen:
+    def _look(self, pairs: IntArray, count: int, corners: bool = False) -> _Seen:
         """Send `count` shadow rays for each pair, between points spread over both polygons or between their corners."""
         origins = np.empty((len(pairs) * count, 3), dtype=np.float32)
         directions = np.empty_like(origins)
@@ -203,7 +203,7 @@ class DirectLight:
         _shadow_rays(self.ground, pairs, points, not corners, self.run, origins, directions, weight)
         met = self.tracer.run(origins, directions).reshape(weight.shape)
         _only_emitters(self.ground, pairs, met)
-        return Seen(met, weight)
+        return _Seen(met, weight)
 
 
 def _aimed_at(table: FaceTable) -> FaceTable:
