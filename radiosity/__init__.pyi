@@ -28,6 +28,8 @@ from .patches import Patches as Patches
 from .patches import subdivide as subdivide
 from .path_tracer import PathTracer as PathTracer
 from .path_tracer import WalkedLight as WalkedLight
+from .plan import Plan as Plan
+from .plan import plan as plan
 from .render import render as render
 from .render import write_picture as write_picture
 from .result import Result as Result

@@ -248,11 +248,8 @@ def encloses(faces: Faces) -> bool:
     A shell is a set of faces joined by shared corners, each edge of which is run once in either direction.
     Meshes with T-junctions are not recognised (False); declare those with ``Scene(closed=True)``.
     """
-    used = np.where(faces.quad[:, None], np.arange(4), [0, 1, 2, 0])
-    points = np.take_along_axis(faces.corners, used[:, :, None], axis=1)
-    _, vertex = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
-    vertex = vertex.reshape(-1, 4)
-    shell, watertight = _shells(vertex)
+    points = faces.corners
+    shell, watertight = vertex_shells(faces)
     middle = faces.bounds.mean(axis=0)
     volume = faces.area * np.einsum("fx,fx->f", faces.corners[:, 0] - middle, faces.normal)
     outer = int(np.argmax([np.ptp(points[shell == s], axis=(0, 1)).max() for s in range(shell.max() + 1)]))
@@ -261,11 +258,15 @@ def encloses(faces: Faces) -> bool:
     return bool(watertight[outer] and volume[shell == outer].sum() < 0 and contained)
 
 
-def _shells(vertex: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Number of the connected shell of each face (F,), and whether each shell is without a hole (S,)."""
+def vertex_shells(faces: Faces) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Shell of each face (F,), joined by shared corners, and whether each shell is without a hole (S,)."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
+    used = np.where(faces.quad[:, None], np.arange(4), [0, 1, 2, 0])
+    points = np.take_along_axis(faces.corners, used[:, :, None], axis=1)
+    _, vertex = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
+    vertex = vertex.reshape(-1, 4)
     begin, end = vertex.ravel(), np.roll(vertex, -1, axis=1).ravel()
     count = int(vertex.max()) + 1
     _, group = connected_components(coo_array((np.ones(len(begin)), (begin, end)), shape=(count, count)))

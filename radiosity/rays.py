@@ -51,7 +51,8 @@ class FaceTable(NamedTuple):
     back: IntArray
 
 
-def _face_table(grid: Grid, corners: FloatArray) -> FaceTable:
+def face_table(grid: Grid, corners: FloatArray) -> FaceTable:
+    """The faces of a grid, their corners (F, 4, 3) in unit coordinates, as the kernels read them."""
     faces = grid.faces
     density = quad_jacobians(corners, faces.normal)
     slopes = density[:, [1, 3]] - density[:, :1]
@@ -131,7 +132,7 @@ class Tracer:
         self.centre: FloatArray = bounds.mean(axis=0)
         self.scale = 1.0 / diagonal
         corners = (grid.faces.corners - self.centre) * self.scale
-        self.table = _face_table(grid, corners)
+        self.table = face_table(grid, corners)
         self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, corners, shown)
         self._whole = bool((grid.cells == 1).all())
 
@@ -223,7 +224,7 @@ def _find_patches(triangle, u, v, directions, triangle_face, second_half, table,
         elif whole:
             out[r] = first
         else:
-            out[r] = first + _cell(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
+            out[r] = first + cell_at(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
 
 
 @numba.njit(nogil=True, cache=True)
@@ -265,7 +266,7 @@ def _lifted(table, f, a, b, side, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(nogil=True, cache=True)
-def _cell(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
+def cell_at(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     """Cell of face f at Embree's coordinates (a, b) on one of its triangles."""
     columns, rows = table.columns[f], table.rows[f]
     a, b = _affine(table, f, second_half, a, b)

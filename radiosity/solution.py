@@ -14,11 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .balance import PowerBalance, power_balance
 from .certificate import Certificate, certify
+from .convex import ConvexTracer
 from .dark import dark_patches
 from .errors import FileFormatError
 from .form_factors import FormFactors
+from .form_factors.estimate import completed
 from .irradiance import irradiance_at
 from .patches import Patches
+from .plan import Plan
 from .relight import relit_patches, relit_scene
 from .result import Result
 from .scene import Scene
@@ -29,6 +32,24 @@ from .transport import TransportOperator
 FloatArray = NDArray[np.float64]
 
 DATA, PAGES, PICTURES = (".npz", ".vtp"), (".html", ".glb"), (".png", ".gif", ".mp4")
+
+
+class _WholeFactors:
+    """The form factors of a solution. Rows that a plan left out are made when the factors are first asked for."""
+
+    def __get__(self, solution: Solution | None, kind: type | None = None) -> FormFactors:
+        if solution is None:
+            raise AttributeError("factors")  # so that the field has no default
+        made: FormFactors = solution.__dict__["made_factors"]
+        if made.left_out is None:
+            return made
+        if "whole_factors" not in solution.__dict__:
+            solution.__dict__["whole_factors"] = solution._completed(made)
+        whole: FormFactors = solution.__dict__["whole_factors"]
+        return whole
+
+    def __set__(self, solution: Solution, factors: FormFactors) -> None:
+        solution.__dict__["made_factors"] = factors
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +63,8 @@ class Solution:
     patches : Patches
         N patches with the emission, reflectance and sky that were solved for.
     factors : FormFactors
+        All of them: rows that the plan left out are made when this is first asked for, with the bits that they would
+        have had.
     result : Result
         What the solver returned.
     solver : Solver
@@ -52,16 +75,33 @@ class Solution:
         What `solve` was asked for, as plain values.
     statistics : dict
         Counters and seconds, named "group/what", in the order of the work.
+    plan : Plan or None
+        What was left out; None of solutions that were relit or read from a file.
     """
 
     scene: Scene
     patches: Patches
-    factors: FormFactors
-    result: Result
-    solver: Solver
+    factors: FormFactors = _WholeFactors()  # type: ignore[assignment]
+    result: Result  # type: ignore[misc]  # `factors` has no default, whatever it looks like
+    solver: Solver  # type: ignore[misc]
     bounces: int | None = None
     settings: dict[str, Any] = field(default_factory=dict)
     statistics: dict[str, Any] = field(default_factory=dict)
+    plan: Plan | None = None
+
+    def _completed(self, made: FormFactors, rows: NDArray[np.bool_] | None = None) -> FormFactors:
+        tracer = ConvexTracer(self.patches.grid) if self.plan is not None and self.plan.convex else None
+        return completed(made, self.patches, rows, tracer=tracer)
+
+    @cached_property
+    def _lit_factors(self) -> FormFactors:
+        """Form factors whose rows are right where there is light: those of dark patches may be left out."""
+        if "whole_factors" in self.__dict__ or self.plan is None:
+            return self.factors
+        made: FormFactors = self.__dict__["made_factors"]
+        if made.left_out is None or not (made.left_out & ~self.plan.dark).any():
+            return made
+        return self._completed(made, ~self.plan.dark)
 
     @property
     def radiosity(self) -> FloatArray:
@@ -96,7 +136,8 @@ class Solution:
     @property
     def irradiance(self) -> FloatArray:
         """Light that arrives at each patch, H = F B + π to_sky L_sky, W/m², (N, C)."""
-        return self.factors.gather(self.radiosity) + np.pi * self.factors.to_sky[:, None] * self.sky
+        factors = self._lit_factors
+        return factors.gather(self.radiosity) + np.pi * factors.to_sky[:, None] * self.sky
 
     @property
     def radiance(self) -> FloatArray:
@@ -123,12 +164,12 @@ class Solution:
     @property
     def balance(self) -> PowerBalance:
         """Power put in, absorbed, escaped, and what the sum lacks."""
-        return power_balance(self.patches, self.factors, self.radiosity, self.irradiance)
+        return power_balance(self.patches, self._lit_factors, self.radiosity, self.irradiance)
 
     @cached_property
     def certificate(self) -> Certificate:
         """How wrong the light can be, as far as form factors and algebra go; computed when it is first asked for."""
-        T = TransportOperator(self.factors, self.patches)
+        T = TransportOperator(self._lit_factors, self.patches)
         return certify(T, self.emission, self.radiosity, self.sky)
 
     def relight(
@@ -260,11 +301,14 @@ class Solution:
 
     def __str__(self) -> str:
         """The story in a few lines."""
-        lines = [_scene_line(self.patches), _factor_line(self.factors)]
-        lines += filter(None, [dark_patches(self.patches, self.factors).story])
+        factors = self._lit_factors
+        lines = [_scene_line(self.patches), _factor_line(factors)]
+        lines += filter(None, [dark_patches(self.patches, factors).story])
         if self.power is not None:
             lines.append("by bounce, W: " + power_by_bounce(self.power))
         lines.append("seconds: " + ", ".join(f"{stage} {s:.2f}" for stage, s in seconds(self.statistics).items()))
+        if self.plan is not None:
+            lines.append(self.plan.story())
         return "\n".join([*lines, self.status, str(self.certificate)])
 
 

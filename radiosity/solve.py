@@ -11,20 +11,16 @@ from typing import Any
 import numpy as np
 
 from .errors import UnlitSceneWarning
-from .form_factors import MonteCarlo, form_factors
 from .form_factors.estimate import Estimator
+from .parallel import thread_count
 from .patches import Patches, subdivide
+from .plan import make_plan
+from .plan.work import PATCH_COUNT, Work, light
 from .progress import Progress, quiet
 from .scene import Scene
-from .series import check_bounces, run
+from .series import check_bounces
 from .solution import Solution
 from .solvers import Neumann, Solver
-from .transport import TransportOperator
-
-PATCH_COUNT = 10_000
-RAYS = 256
-REPLICATES = 2  # the fewest that tell how wrong they are
-RTOL = 1e-6
 
 
 def solve(
@@ -35,7 +31,8 @@ def solve(
     estimator: Estimator | None = None,
     solver: Solver | None = None,
     bounces: int | None = None,
-    dtype: Any = np.float32,
+    dtype: Any = None,
+    leave_out: bool = True,
     threads: int | None = None,
     executor: Executor | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
@@ -55,11 +52,14 @@ def solve(
         How form factors are computed; ``MonteCarlo(rays=256, replicates=2)`` by default, so that the certificate
         knows the sampling error.
     solver : Solver, optional
-        ``Neumann(rtol=1e-6)`` by default.
+        ``Neumann(rtol=1e-6)`` by default, or ``ConjugateGradient`` on conserved factors where so little is absorbed
+        that the series would need more than a thousand bounces.
     bounces : int, optional
         Cut the series after this many bounces, whatever the tolerance. The status then says what is left out.
     dtype : float32 or float64, optional
-        Of the form factors.
+        Of the form factors; float32 by default where its last digits do not matter.
+    leave_out : bool, optional
+        Whether what the scene does not need is left out, see `plan`; the light is the same.
     threads : int, optional
         As many as there are processors by default. The result has the same bits for any number.
     executor : concurrent.futures.Executor, optional
@@ -103,9 +103,10 @@ def solve(
     'cut at 3 bounces, as asked: later bounces are left out; residual 0.062 of the source (rtol is 1e-06)'
     """
     tell = progress or quiet
-    estimator = MonteCarlo(rays=RAYS, replicates=REPLICATES) if estimator is None else estimator
-    solver = Neumann(rtol=RTOL) if solver is None else solver
-    check_bounces(solver, bounces)
+    if solver is not None:
+        check_bounces(solver, bounces)
+    elif bounces is not None:
+        check_bounces(Neumann(), bounces)
     _warn_if_unlit(scene)
     if patch_count is None and patch_size is None:
         patch_count = PATCH_COUNT
@@ -115,29 +116,34 @@ def solve(
     patches = subdivide(scene, patch_count, patch_size)
     seconds = time.perf_counter() - began
     tell("patches", 1, 1)
-    factors = form_factors(
-        patches,
-        estimator,
-        dtype=dtype,
-        threads=threads,
-        executor=executor,
-        checkpoint=checkpoint,
-        memory_limit=memory_limit,
-        progress=tell,
+    began = time.perf_counter()
+    at_will = executor is None and checkpoint is None
+    made = make_plan(
+        patches, estimator, solver, bounces, dtype, thread_count(threads), leave_out=leave_out, rows_at_will=at_will
     )
-    result = run(solver, TransportOperator(factors, patches, threads=threads), patches, bounces, tell)
-
+    planned = time.perf_counter() - began
+    work = Work(threads, executor, checkpoint, memory_limit, tell)
+    solved = light(made, bounces, work)
     settings = {
         "patch_count": patch_count,
         "patch_size": patch_size,
-        "estimator": repr(estimator),
-        "solver": repr(solver),
+        "estimator": repr(made.estimator),
+        "solver": repr(solved.plan.solver),
         "bounces": bounces,
-        "seed": getattr(estimator, "seed", None),
-        "dtype": str(np.dtype(dtype)),
+        "seed": getattr(made.estimator, "seed", None),
+        "dtype": str(np.dtype(made.dtype)),
+        "leave_out": leave_out,
     }
-    statistics = {**_counters(patches), "seconds/patches": seconds, **factors.statistics, **result.statistics}
-    return Solution(scene, patches, factors, result, solver, bounces, settings, statistics)
+    statistics = {
+        **_counters(patches),
+        "seconds/patches": seconds,
+        "seconds/plan": planned,
+        **solved.factors.statistics,
+        **solved.result.statistics,
+    }
+    return Solution(
+        scene, patches, solved.factors, solved.result, solved.plan.solver, bounces, settings, statistics, solved.plan
+    )
 
 
 def _counters(patches: Patches) -> dict[str, int]:

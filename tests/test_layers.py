@@ -26,13 +26,13 @@ FLOORS = (
     "thermal",
     "solve",
     "solution",
+    "plan",
     "series",
     "relight",
     "balance",
     "dark",
     "irradiance",
     "hemisphere",
-    "plan",
     "shortcuts",
     "path_tracer",
     "render",
@@ -43,6 +43,7 @@ FLOORS = (
     "transport",
     "form_factors",
     "inspection",
+    "convex",
     "rays",
     "nested",
     "patches",
@@ -80,7 +81,18 @@ DOORS = {
 }
 
 # Library → the floors whose modules may import it at their top; elsewhere, inside the function that needs it.
-KERNELS = ("path_tracer", "render", "solvers", "transport", "form_factors", "rays", "patches", "sparse", "sequences")
+KERNELS = (
+    "path_tracer",
+    "render",
+    "solvers",
+    "transport",
+    "form_factors",
+    "convex",
+    "rays",
+    "patches",
+    "sparse",
+    "sequences",
+)
 HEAVY = {
     "dask": (),
     "distributed": (),

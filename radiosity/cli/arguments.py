@@ -94,7 +94,7 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     """
     import radiosity as rad
 
-    from ..solve import RAYS, REPLICATES
+    from ..plan.plan import RAYS, REPLICATES
 
     method = args.method or "monte-carlo"
     for option, its_method in ONLY_FOR.items():
@@ -108,7 +108,7 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
         "patch_count": args.patches,
         "patch_size": args.patch_size,
         "estimator": getattr(rad, METHODS[method])(**given),
-        "solver": rad.Neumann() if args.rtol is None else rad.Neumann(rtol=args.rtol),
+        "solver": None if args.rtol is None else rad.Neumann(rtol=args.rtol),
         "bounces": args.bounces,
         "threads": args.threads,
         "memory_limit": args.memory,

@@ -10,13 +10,13 @@ from contextlib import suppress
 
 from .._version import __version__
 from ..errors import RadiosityError
-from . import export, lecture, render, scenes, solve, stress, study, view
+from . import export, lecture, plan, render, scenes, solve, stress, study, view
 from .console import Screen
 from .interrupts import INTERRUPTED, interruptible
 
 FAILED = 2
 
-COMMANDS = (solve, view, export, render, lecture, scenes, study, stress)
+COMMANDS = (solve, plan, view, export, render, lecture, scenes, study, stress)
 
 DESCRIPTION = """\
 How light fills a room of matt surfaces, bounce by bounce: form factors by hemicube or by Monte Carlo rays, and the

@@ -10,6 +10,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from ..errors import ParameterError
 from ..executors import Crew
@@ -26,6 +28,7 @@ from .hemicube import Hemicube
 from .identity import fingerprint
 from .monte_carlo import MonteCarlo
 from .shares import without_leaks
+from .some_rows import RowChoice, SomeRows
 from .two_level import TwoLevel
 from .workers import RowsToMake
 
@@ -42,6 +45,8 @@ def form_factors(
     checkpoint: str | os.PathLike[str] | None = None,
     memory_limit: float | None = None,
     progress: Progress | None = None,
+    rows: RowChoice | None = None,
+    tracer: Tracer | None = None,
 ) -> FormFactors:
     """Form factors between patches.
 
@@ -64,6 +69,11 @@ def form_factors(
         Bytes that the factors may take; by default four fifths of what is free.
     progress : callable, optional
         Called as ``progress(stage, rows done, rows in all)``.
+    rows : RowChoice, optional
+        Make only these rows; the others are named in `FormFactors.left_out`, and `completed` makes them later, with
+        the bits that they would have had. By default all.
+    tracer : Tracer, optional
+        Of these patches, if there is one already. Workers of an executor make their own.
 
     Returns
     -------
@@ -105,7 +115,7 @@ def form_factors(
     if not isinstance(estimator, Analytic):
         check_gaps(patches)
     begin = time.perf_counter()
-    tracer = Tracer(patches.grid)
+    tracer = Tracer(patches.grid) if tracer is None else tracer
     built = time.perf_counter()
     if isinstance(estimator, TwoLevel):
         levels = estimator.factors(patches, tracer, kind, threads, memory_limit, progress or quiet)
@@ -113,6 +123,10 @@ def form_factors(
         return levels
     makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
     check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
+    if rows is not None:
+        if executor is not None or checkpoint is not None:
+            raise ParameterError("rows are left out only where this process makes them, without a checkpoint")
+        makers = [SomeRows(maker, rows) for maker in makers]
     key, kept = "", None
     if executor is not None or checkpoint is not None:
         key = fingerprint(patches, estimator, kind)
@@ -128,8 +142,69 @@ def form_factors(
     ]
     factors = _with_replicates(runs, patches, estimator, kind, threads)
     seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
-    factors.statistics.update(_counters(factors, estimator, patches), **seconds)
+    factors.statistics.update(_counters(factors, estimator, rows), **seconds)
+    left_out = None if rows is None else rows.left_out
+    if left_out is not None:
+        runs_without = tuple(replace(run, left_out=left_out) for run in factors.replicates)
+        return replace(factors, left_out=left_out, replicates=runs_without)
     return factors
+
+
+def completed(
+    factors: FormFactors,
+    patches: Patches,
+    rows: NDArray[np.bool_] | None = None,
+    *,
+    threads: int | None = None,
+    tracer: Tracer | None = None,
+) -> FormFactors:
+    """The same factors with rows that were left out: to the last bit those of a `form_factors` that made all.
+
+    Parameters
+    ----------
+    factors : FormFactors
+        Of an estimator of this package.
+    patches : Patches
+    rows : ndarray of bool (N,), optional
+        Which of the rows left out are made now; by default all.
+    threads : int, optional
+    tracer : Tracer, optional
+
+    Returns
+    -------
+    FormFactors
+        What took how long is added to its statistics.
+    """
+    if factors.left_out is None:
+        return factors
+    wanted = factors.left_out if rows is None else factors.left_out & rows
+    estimator: Any = factors.estimator
+    kind = factors.matrix.dtype.type
+    choice = RowChoice(wanted, np.zeros(len(patches), dtype=bool))
+    more = form_factors(patches, estimator, dtype=kind, threads=threads, rows=choice, tracer=tracer)
+    still = factors.left_out & ~wanted
+    return _joined(factors, more, wanted, still if still.any() else None)
+
+
+def _joined(
+    first: FormFactors, second: FormFactors, of_second: NDArray[np.bool_], left_out: NDArray[np.bool_] | None
+) -> FormFactors:
+    """Factors whose rows are those of one or of another; either has no entries where they are the other's."""
+    replicates = tuple(
+        _joined(one, two, of_second, left_out) for one, two in zip(first.replicates, second.replicates, strict=True)
+    )
+    statistics = dict(first.statistics)
+    for name, value in second.statistics.items():
+        statistics[name] = statistics.get(name, 0) + value
+    return replace(
+        first,
+        matrix=csr_array(first.matrix + second.matrix),
+        to_sky=np.where(of_second, second.to_sky, first.to_sky),
+        to_backs=np.where(of_second, second.to_backs, first.to_backs),
+        statistics=statistics,
+        replicates=replicates,
+        left_out=left_out,
+    )
 
 
 def _assemble(work: RowsToMake, kept: Checkpoint | None, tell: Progress) -> Rows:
@@ -182,13 +257,15 @@ def _factors(
     )
 
 
-def _counters(factors: FormFactors, estimator: Estimator, patches: Patches) -> dict[str, float]:
-    rays = estimator.rays * len(patches)
+def _counters(factors: FormFactors, estimator: Estimator, rows: RowChoice | None) -> dict[str, float]:
+    """Where the rays went; those of rows that were not made are not counted."""
+    traced = np.ones(len(factors), dtype=bool) if rows is None else rows.made
+    rays = estimator.rays * int(traced.sum())
     return {
         "rays/traced": rays,
-        "rays/to sky": round(float(np.mean(factors.to_sky)) * rays),
-        "rays/to backs": round(float(np.mean(factors.to_backs)) * rays),
-        "rays/leaked": round(factors.statistics["leaks/share"] * rays),
+        "rays/to sky": round(float(np.mean(factors.to_sky[traced])) * rays) if rays else 0,
+        "rays/to backs": round(float(np.mean(factors.to_backs[traced])) * rays) if rays else 0,
+        "rays/leaked": round(factors.statistics["leaks/share"] * estimator.rays * len(factors)),
         "matrix/non-zeros": factors.matrix.nnz,
         "matrix/bytes": factors.matrix.data.nbytes + factors.matrix.indices.nbytes + factors.matrix.indptr.nbytes,
     }

@@ -54,6 +54,9 @@ class FormFactors:
     exact_columns : ndarray of bool (N,) or None
         Patches whose columns are exact factors times visibility, and were not sampled like the rest: emitters, for
         direct light. None if there are no such.
+    left_out : ndarray of bool (N,) or None
+        Patches whose rows were not made, because nothing that was asked for depends on them: they are empty, with all
+        light on black backs. None if there are no such. See `radiosity.form_factors.estimate.completed`.
     """
 
     matrix: csr_array
@@ -66,6 +69,7 @@ class FormFactors:
     statistics: dict[str, Any] = field(default_factory=dict)
     replicates: tuple[FormFactors, ...] = ()
     exact_columns: NDArray[np.bool_] | None = None
+    left_out: NDArray[np.bool_] | None = None
 
     @classmethod
     def from_matrix(
@@ -149,7 +153,18 @@ class FormFactors:
         return csr_matmul(self.matrix, light, threads)
 
     def row(self, i: int) -> FloatArray:
-        """Form factors from patch i to all patches, dense (N,)."""
+        """Form factors from patch i to all patches, dense (N,).
+
+        Raises
+        ------
+        FormFactorError
+            The row was left out.
+        """
+        if self.left_out is not None and self.left_out[i]:
+            raise FormFactorError(
+                f"row {i} was left out, as no light depends on it: take Solution.factors, which makes what is missing, "
+                "or solve(…, leave_out=False)"
+            )
         row = np.zeros(len(self))
         span = slice(self.matrix.indptr[i], self.matrix.indptr[i + 1])
         row[self.matrix.indices[span]] = self.matrix.data[span]
