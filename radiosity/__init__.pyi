@@ -6,6 +6,7 @@ from . import scenes as scenes
 from . import shortcuts as shortcuts
 from . import thermal as thermal
 from ._version import __version__ as __version__
+from .accuracy import Accuracy as Accuracy
 from .camera import Camera as Camera
 from .certificate import Certificate as Certificate
 from .certificate import certify as certify

@@ -92,5 +92,9 @@ class CheckpointWarning(RadiosityWarning):
     """What a checkpoint holds is damaged, or belongs to other work: it is computed again."""
 
 
+class AccuracyWarning(RadiosityWarning):
+    """An accuracy that was asked for has not been reached; the message says how far, and what to do."""
+
+
 class ParameterError(RadiosityError, ValueError):
     """A parameter of a method is outside what it can work with."""

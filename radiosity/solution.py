@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .accuracy import Accuracy
 from .balance import PowerBalance, power_balance
 from .certificate import Certificate, certify
 from .convex import ConvexTracer
@@ -77,6 +78,8 @@ class Solution:
         Counters and seconds, named "group/what", in the order of the work.
     plan : Plan or None
         What was left out; None of solutions that were relit or read from a file.
+    accuracy : Accuracy or None
+        The errors, where a solution to a stated accuracy was asked for.
     """
 
     scene: Scene
@@ -88,6 +91,7 @@ class Solution:
     settings: dict[str, Any] = field(default_factory=dict)
     statistics: dict[str, Any] = field(default_factory=dict)
     plan: Plan | None = None
+    accuracy: Accuracy | None = None
 
     def _completed(self, made: FormFactors, rows: NDArray[np.bool_] | None = None) -> FormFactors:
         tracer = ConvexTracer(self.patches.grid) if self.plan is not None and self.plan.convex else None
@@ -307,8 +311,7 @@ class Solution:
         if self.power is not None:
             lines.append("by bounce, W: " + power_by_bounce(self.power))
         lines.append("seconds: " + ", ".join(f"{stage} {s:.2f}" for stage, s in seconds(self.statistics).items()))
-        if self.plan is not None:
-            lines.append(self.plan.story())
+        lines += [self.statistics[name] for name in ("plan/left out", "accuracy/story") if self.statistics.get(name)]
         return "\n".join([*lines, self.status, str(self.certificate)])
 
 

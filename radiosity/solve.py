@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from .errors import UnlitSceneWarning
+from .accuracy import Found, light_to
+from .errors import ParameterError, UnlitSceneWarning
+from .form_factors import MonteCarlo
 from .form_factors.estimate import Estimator
 from .parallel import thread_count
 from .patches import Patches, subdivide
 from .plan import make_plan
-from .plan.work import PATCH_COUNT, Work, light
+from .plan.work import PATCH_COUNT, Light, Work, light
 from .progress import Progress, quiet
 from .scene import Scene
 from .series import check_bounces
@@ -31,6 +33,7 @@ def solve(
     estimator: Estimator | None = None,
     solver: Solver | None = None,
     bounces: int | None = None,
+    accuracy: float | None = None,
     dtype: Any = None,
     leave_out: bool = True,
     threads: int | None = None,
@@ -56,6 +59,10 @@ def solve(
         that the series would need more than a thousand bounces.
     bounces : int, optional
         Cut the series after this many bounces, whatever the tolerance. The status then says what is left out.
+    accuracy : float, optional
+        Largest error, relative to B - E: 0.01 is 1 %. Patches (unless given), rays, bounces and tolerance are then
+        chosen to reach it with little work, and `Solution.accuracy` says what is known of the error. Of an estimator
+        that is given, the seed is taken.
     dtype : float32 or float64, optional
         Of the form factors; float32 by default where its last digits do not matter.
     leave_out : bool, optional
@@ -88,6 +95,8 @@ def solve(
     -----
     UnlitSceneWarning
         The scene has no light: everything is black.
+    AccuracyWarning
+        The accuracy is not reached within the memory, or with these patches.
     GeometryWarning
         The scene has more faces than `patch_count`, or faces without area.
 
@@ -102,48 +111,96 @@ def solve(
     >>> solution.status
     'cut at 3 bounces, as asked: later bounces are left out; residual 0.062 of the source (rtol is 1e-06)'
     """
-    tell = progress or quiet
     if solver is not None:
         check_bounces(solver, bounces)
     elif bounces is not None:
         check_bounces(Neumann(), bounces)
     _warn_if_unlit(scene)
-    if patch_count is None and patch_size is None:
-        patch_count = PATCH_COUNT
-
-    tell("patches", 0, 1)
-    began = time.perf_counter()
-    patches = subdivide(scene, patch_count, patch_size)
-    seconds = time.perf_counter() - began
-    tell("patches", 1, 1)
-    began = time.perf_counter()
-    at_will = executor is None and checkpoint is None
-    made = make_plan(
-        patches, estimator, solver, bounces, dtype, thread_count(threads), leave_out=leave_out, rows_at_will=at_will
-    )
-    planned = time.perf_counter() - began
-    work = Work(threads, executor, checkpoint, memory_limit, tell)
-    solved = light(made, bounces, work)
+    work = Work(threads, executor, checkpoint, memory_limit, progress or quiet)
+    if accuracy is not None:
+        _check_accuracy(solver=solver, bounces=bounces, dtype=dtype, executor=executor, checkpoint=checkpoint)
+        found = _to_accuracy(scene, accuracy, patch_count, patch_size, estimator, work)
+        patches, solved, reached = found
+        before: dict[str, Any] = {}
+    else:
+        patches, solved, before = _as_told(
+            scene, patch_count, patch_size, estimator, solver, bounces, dtype, leave_out, work
+        )
+        reached = None
+    made = solved.plan
     settings = {
-        "patch_count": patch_count,
+        "patch_count": PATCH_COUNT if patch_count is patch_size is accuracy is None else patch_count,
         "patch_size": patch_size,
         "estimator": repr(made.estimator),
-        "solver": repr(solved.plan.solver),
+        "solver": repr(made.solver),
         "bounces": bounces,
         "seed": getattr(made.estimator, "seed", None),
         "dtype": str(np.dtype(made.dtype)),
+        "accuracy": accuracy,
         "leave_out": leave_out,
     }
-    statistics = {
-        **_counters(patches),
-        "seconds/patches": seconds,
-        "seconds/plan": planned,
-        **solved.factors.statistics,
-        **solved.result.statistics,
-    }
+    statistics = {**_counters(patches), **before, **solved.factors.statistics, **solved.result.statistics}
+    if made.story():
+        statistics["plan/left out"] = made.story()
+    if reached is not None:
+        statistics["accuracy/story"] = str(reached)
     return Solution(
-        scene, patches, solved.factors, solved.result, solved.plan.solver, bounces, settings, statistics, solved.plan
+        scene, patches, solved.factors, solved.result, made.solver, bounces, settings, statistics, made, reached
     )
+
+
+def _as_told(
+    scene: Scene,
+    patch_count: int | None,
+    patch_size: float | None,
+    estimator: Estimator | None,
+    solver: Solver | None,
+    bounces: int | None,
+    dtype: Any,
+    leave_out: bool,
+    work: Work,
+) -> tuple[Patches, Light, dict[str, Any]]:
+    """Patches, plan, light; and the seconds of the first two."""
+    if patch_count is None and patch_size is None:
+        patch_count = PATCH_COUNT
+    work.tell("patches", 0, 1)
+    began = time.perf_counter()
+    patches = subdivide(scene, patch_count, patch_size)
+    cut = time.perf_counter()
+    work.tell("patches", 1, 1)
+    at_will = work.executor is None and work.checkpoint is None
+    threads = thread_count(work.threads)
+    made = make_plan(patches, estimator, solver, bounces, dtype, threads, leave_out=leave_out, rows_at_will=at_will)
+    planned = time.perf_counter()
+    seconds = {"seconds/patches": cut - began, "seconds/plan": planned - cut}
+    return patches, light(made, bounces, work), seconds
+
+
+def _to_accuracy(
+    scene: Scene,
+    accuracy: float,
+    patch_count: int | None,
+    patch_size: float | None,
+    estimator: Estimator | None,
+    work: Work,
+) -> Found:
+    if estimator is not None and not isinstance(estimator, MonteCarlo):
+        raise ParameterError(f"accuracy is for MonteCarlo, not for {type(estimator).__name__}; leave the estimator out")
+    given = patch_count is not None or patch_size is not None
+    patches = subdivide(scene, patch_count, patch_size) if given else None
+    return light_to(scene, accuracy, patches, 0 if estimator is None else estimator.seed, work)
+
+
+def _check_accuracy(**chosen: Any) -> None:
+    """Refuse settings that an accuracy chooses by itself.
+
+    Raises
+    ------
+    ParameterError
+    """
+    for name, value in chosen.items():
+        if value is not None:
+            raise ParameterError(f"{name} would not be used: accuracy chooses it, or works without; leave one out")
 
 
 def _counters(patches: Patches) -> dict[str, int]:

@@ -26,6 +26,7 @@ FLOORS = (
     "thermal",
     "solve",
     "solution",
+    "accuracy",
     "plan",
     "series",
     "relight",

@@ -157,6 +157,12 @@ def test_seconds_of_each_stage_are_kept():
     elapsed = time.perf_counter() - began
 
     seconds = {name: s for name, s in solution.statistics.items() if name.startswith("seconds/")}
-    assert list(seconds) == ["seconds/patches", "seconds/ray tree", "seconds/form factors", "seconds/solve"]
+    assert list(seconds) == [
+        "seconds/patches",
+        "seconds/plan",
+        "seconds/ray tree",
+        "seconds/form factors",
+        "seconds/solve",
+    ]
     assert all(s > 0 for s in seconds.values())
     assert 0.1 * elapsed < sum(seconds.values()) < elapsed

@@ -129,10 +129,11 @@ class Plan:
         return replace(self, items=tuple(item if old.name == item.name else old for old in self.items))
 
     def story(self) -> str:
-        """One line of what is left out, for a report."""
-        saved = sum(item.seconds for item in self.left_out)
-        names = ", ".join(item.name for item in self.left_out if item.seconds > 0 or item.bytes > 0)
-        return f"left out: {names or 'nothing that takes time'}" + (f" (about {saved:.2g} s)" if saved > 0 else "")
+        """One line of what is left out that would have taken time; empty if there is nothing."""
+        saved = [item for item in self.left_out if item.seconds > 0]
+        if not saved:
+            return ""
+        return f"left out: {', '.join(item.name for item in saved)} (about {sum(item.seconds for item in saved):.2g} s)"
 
     def __str__(self) -> str:
         made, count = int(self.rows.made.sum()), len(self.patches)
@@ -157,6 +158,7 @@ def make_plan(
     *,
     leave_out: bool = True,
     rows_at_will: bool = True,
+    rtol: float = RTOL,
 ) -> Plan:
     """Decide what patches need.
 
@@ -171,6 +173,8 @@ def make_plan(
         Whether anything is left out.
     rows_at_will : bool
         Whether single rows can be left out: not by workers, nor with a checkpoint.
+    rtol : float
+        Of a solver that is chosen here.
 
     Returns
     -------
@@ -179,7 +183,7 @@ def make_plan(
     found = _Found(patches, bounces, solver, threads, leave_out, rows_at_will)
     estimator = MonteCarlo(rays=RAYS, replicates=REPLICATES) if estimator is None else estimator
     few = solver is None and bounces is None and found.bounces_expected > MANY_BOUNCES
-    chosen = (ConjugateGradient(rtol=RTOL) if few else Neumann(rtol=RTOL)) if solver is None else solver
+    chosen = (ConjugateGradient(rtol=rtol) if few else Neumann(rtol=rtol)) if solver is None else solver
     if dtype is None:
         dtype = np.float64 if few or found.least_absorbed < SMALL or not leave_out else np.float32
     plan = Plan(
@@ -226,11 +230,10 @@ class _Found:
         return RowChoice(~(self.reach.dark | self.reach.open | later), self.reach.open & ~self.reach.dark)
 
     def later(self, solver: Solver) -> BoolArray:
-        """Rows that only the irradiance needs: of black patches, and all where no bounce is asked for."""
+        """Rows that only the irradiance needs: of black patches, from which no light goes on."""
         if not isinstance(solver, Neumann):
             return np.zeros(len(self.patches), dtype=bool)
-        every = self.black | (self.bounces == 0 and self.leave_out)
-        return np.asarray(every & ~self.reach.dark & ~self.reach.open)
+        return np.asarray(self.black & ~self.reach.dark & ~self.reach.open)
 
 
 def _items(plan: Plan, found: _Found) -> Iterator[Item]:
@@ -283,8 +286,6 @@ def _rows(plan: Plan, found: _Found) -> Iterator[Item]:
     yield item("sides that see backs", backs, "see black backs only, and stay dark", "no side sees black backs only")
     yield item("dark patches", dark & ~backs, "stay dark: no light can get there", "light may get everywhere")
     why = "need a row for their irradiance only, made when it is asked for"
-    if found.bounces == 0:
-        why = "send no light on, no bounce being asked for; their rows are made when the irradiance is asked for"
     yield item("black receivers", found.later(plan.solver), why, "every patch sends light on, or is needed whole")
 
 

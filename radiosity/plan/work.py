@@ -107,10 +107,10 @@ def _accelerated(factors: FormFactors, plan: Plan, bounces: int | None, work: Wo
         even = whole.conserved()
     except FormFactorError as error:
         story = f"many bounces are needed, as the factors cannot be conserved: {error}"
-        plan = replace(plan, solver=Neumann(rtol=RTOL), conserve=False)
+        plan = replace(plan, solver=Neumann(rtol=plan.solver.rtol), conserve=False)
         return whole, plan.with_item(Item("acceleration", True, story))
     count = bounces_needed(whole, plan)
-    plan = replace(plan, solver=ConjugateGradient(rtol=RTOL), conserve=True)
+    plan = replace(plan, solver=ConjugateGradient(rtol=plan.solver.rtol), conserve=True)
     plan = plan.with_item(Item("acceleration", False, f"conjugate gradients instead of some {count:,.0f} bounces"))
     return even, plan.with_item(Item("conserved factors", False, "conjugate gradients need them, and so little loss"))
 
