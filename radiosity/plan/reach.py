@@ -105,9 +105,10 @@ def _may_see(faces: Faces, face: IntArray, front: BoolArray) -> tuple[BoolArray,
             continue
         within, beyond = _within_and_beyond(*((low, high) if looking_in else (-high, -low)), members, size)
         inner, outer = ((shell == s)[face] & (front == side) for side in (looking_in, not looking_in))
+        held = inner | within[face]
         for apart in (outer, beyond[face]):
-            sees[np.ix_(inner, apart)] = sees[np.ix_(apart, inner)] = False
-        inside |= inner | within[face]
+            sees[np.ix_(held, apart)] = sees[np.ix_(apart, held)] = False
+        inside |= held
     return sees, inside, empty
 
 
