@@ -27,7 +27,7 @@ class DarkPatches:
     covered : ndarray of int
         Nothing but black backs: faces inside of bodies.
     shut_in : ndarray of int
-        Each other, or some of all this: insides of closed bodies.
+        Each other, or some of all this: insides of closed bodies, and what was left out because it stays dark.
     story : str
         One sentence, with the surfaces; empty where there are none.
     """
@@ -62,6 +62,8 @@ def dark_patches(patches: Patches, factors: FormFactors) -> DarkPatches:
     dark = ~lit[label] if lit.any() else np.zeros(len(label), dtype=bool)
     outside = dark & (factors.to_sky > ALL)
     covered = dark & (factors.to_backs > ALL)
+    if factors.left_out is not None:  # light was known not to get there; what they see was not looked at
+        covered &= ~factors.left_out
     kinds = [np.flatnonzero(which) for which in (outside, covered, dark & ~outside & ~covered)]
     words = ("look at nothing but the black surroundings", "see nothing but black backs", "are shut off")
     parts = [f"{len(k):,} {what} ({where(factors, k)})" for k, what in zip(kinds, words, strict=True) if len(k)]

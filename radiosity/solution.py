@@ -98,8 +98,11 @@ class Solution:
         return completed(made, self.patches, rows, tracer=tracer)
 
     @cached_property
-    def _lit_factors(self) -> FormFactors:
-        """Form factors whose rows are right where there is light: those of dark patches may be left out."""
+    def lit_factors(self) -> FormFactors:
+        """Form factors that are right wherever there is light; rows of patches that stay dark may be left out.
+
+        Enough for powers, balances and errors of this light. `factors` has all rows.
+        """
         if "whole_factors" in self.__dict__ or self.plan is None:
             return self.factors
         made: FormFactors = self.__dict__["made_factors"]
@@ -140,7 +143,7 @@ class Solution:
     @property
     def irradiance(self) -> FloatArray:
         """Light that arrives at each patch, H = F B + π to_sky L_sky, W/m², (N, C)."""
-        factors = self._lit_factors
+        factors = self.lit_factors
         return factors.gather(self.radiosity) + np.pi * factors.to_sky[:, None] * self.sky
 
     @property
@@ -168,12 +171,12 @@ class Solution:
     @property
     def balance(self) -> PowerBalance:
         """Power put in, absorbed, escaped, and what the sum lacks."""
-        return power_balance(self.patches, self._lit_factors, self.radiosity, self.irradiance)
+        return power_balance(self.patches, self.lit_factors, self.radiosity, self.irradiance)
 
     @cached_property
     def certificate(self) -> Certificate:
         """How wrong the light can be, as far as form factors and algebra go; computed when it is first asked for."""
-        T = TransportOperator(self._lit_factors, self.patches)
+        T = TransportOperator(self.lit_factors, self.patches)
         return certify(T, self.emission, self.radiosity, self.sky)
 
     def relight(
@@ -305,7 +308,7 @@ class Solution:
 
     def __str__(self) -> str:
         """The story in a few lines."""
-        factors = self._lit_factors
+        factors = self.lit_factors
         lines = [_scene_line(self.patches), _factor_line(factors)]
         lines += filter(None, [dark_patches(self.patches, factors).story])
         if self.power is not None:

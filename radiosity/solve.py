@@ -21,7 +21,7 @@ from .plan.work import PATCH_COUNT, Light, Work, light
 from .progress import Progress, quiet
 from .scene import Scene
 from .series import check_bounces
-from .solution import Solution
+from .solution import Solution, seconds
 from .solvers import Neumann, Solver
 
 
@@ -121,7 +121,8 @@ def solve(
         _check_accuracy(solver=solver, bounces=bounces, dtype=dtype, executor=executor, checkpoint=checkpoint)
         found = _to_accuracy(scene, accuracy, patch_count, patch_size, estimator, work)
         patches, solved, reached = found
-        before: dict[str, Any] = {}
+        last = sum(seconds({**solved.factors.statistics, **solved.result.statistics}).values())
+        before = {"seconds/trials": max(0.0, reached.trials[-1].seconds - last)}
     else:
         patches, solved, before = _as_told(
             scene, patch_count, patch_size, estimator, solver, bounces, dtype, leave_out, work
@@ -172,8 +173,8 @@ def _as_told(
     threads = thread_count(work.threads)
     made = make_plan(patches, estimator, solver, bounces, dtype, threads, leave_out=leave_out, rows_at_will=at_will)
     planned = time.perf_counter()
-    seconds = {"seconds/patches": cut - began, "seconds/plan": planned - cut}
-    return patches, light(made, bounces, work), seconds
+    spent = {"seconds/patches": cut - began, "seconds/plan": planned - cut}
+    return patches, light(made, bounces, work), spent
 
 
 def _to_accuracy(

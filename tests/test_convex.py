@@ -10,7 +10,7 @@ from radiosity.convex import ConvexTracer, is_convex_room, wall_of
 from radiosity.form_factors.monte_carlo import MonteCarlo
 from radiosity.rays import Tracer
 
-TENT = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3], [0, 2, 1.2], [4, 3, 1.2]]  # a slanting ridge: trapezoids, triangles
+TENT = [[0, 0, 0], [4, 0, 0], [4, 0, 3], [0, 0, 3], [1, 2, 1.5], [3, 2, 1.5]]  # a hipped roof
 
 
 def tent():
@@ -21,7 +21,7 @@ def tent():
 
 
 def convex(scene):
-    patches = rad.subdivide(scene, patch_count=200)
+    patches = rad.subdivide(scene)
     return is_convex_room(patches.grid.faces, patches.closed)
 
 

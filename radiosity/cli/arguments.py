@@ -14,7 +14,10 @@ UNITS = ("m", "cm", "mm", "in", "ft")
 METHODS = {"monte-carlo": "MonteCarlo", "hemicube": "Hemicube", "analytic": "Analytic"}  # words of the API
 SOLVE_OPTIONS = (
     "unit", "fix_normals", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed",
-    "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint",
+    "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint", "accuracy",
+)  # fmt: skip
+CHOSEN_BY_ACCURACY = (
+    "method", "rays", "light_rays", "sampling", "replicates", "resolution", "samples", "bounces", "rtol", "checkpoint",
 )  # fmt: skip
 ONLY_FOR = {
     **dict.fromkeys(("rays", "light_rays", "sampling", "replicates", "seed"), "monte-carlo"),
@@ -47,6 +50,13 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """How finely, how exactly, how far."""
+    group = parser.add_argument_group("accuracy")
+    group.add_argument(
+        "--accuracy",
+        type=share,
+        metavar="A",
+        help="largest error, as 1%% or 0.01: patches, rays and bounces are then chosen to reach it",
+    )
     group = parser.add_argument_group("patches")
     size = group.add_mutually_exclusive_group()
     size.add_argument("--patches", type=count, metavar="N", help="about how many patches (default: 10000)")
@@ -101,6 +111,8 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
         if getattr(args, option) is not None and method != its_method:
             word = option.replace("_", "-")
             raise rad.errors.ParameterError(f"--{word} is for --method {its_method}, not for {method}; leave it out")
+    if args.accuracy is not None:
+        return _accuracy_settings(args)
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
     if method == "monte-carlo" and given.get("rays", RAYS) % REPLICATES == 0:
         given.setdefault("replicates", REPLICATES)  # as `rad.solve` does, for the certificate's sake
@@ -113,6 +125,29 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
         "threads": args.threads,
         "memory_limit": args.memory,
         "checkpoint": args.checkpoint,
+    }
+
+
+def _accuracy_settings(args: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of `rad.solve` where an accuracy is asked for; what it chooses cannot be given.
+
+    Raises
+    ------
+    ParameterError
+    """
+    import radiosity as rad
+
+    for option in CHOSEN_BY_ACCURACY:
+        if getattr(args, option) is not None:
+            word = option.replace("_", "-")
+            raise rad.errors.ParameterError(f"--{word} would not be used: --accuracy chooses it; leave one out")
+    return {
+        "accuracy": args.accuracy,
+        "patch_count": args.patches,
+        "patch_size": args.patch_size,
+        "estimator": rad.MonteCarlo(seed=args.seed or 0),
+        "threads": args.threads,
+        "memory_limit": args.memory,
     }
 
 
@@ -190,6 +225,18 @@ def bytes_of(text: str) -> int:
     if found is None:
         raise argparse.ArgumentTypeError(f"{text!r} is not a size, as in 4G or 800M")
     return round(positive(found[1]) * 1000.0 ** " KMGT".index(found[2].upper() or " "))
+
+
+def share(text: str) -> float:
+    """A number between 0 and 1, or per cent.
+
+    >>> share("1%"), share("0.02")
+    (0.01, 0.02)
+    """
+    number = _number(text.rstrip().removesuffix("%")) / (100.0 if text.rstrip().endswith("%") else 1.0)
+    if not 0.0 < number < 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not between 0 and 1, nor between 0% and 100%")
+    return number
 
 
 def channels(text: str) -> list[float]:

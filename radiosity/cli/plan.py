@@ -31,6 +31,8 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
 
     from .source import scene
 
+    if args.accuracy is not None:
+        raise rad.errors.ParameterError("--accuracy chooses by trials, which no plan foretells: use `radiosity solve`")
     settings = arguments.solve_settings(args)
     for option in ("memory_limit", "checkpoint"):
         settings.pop(option, None)

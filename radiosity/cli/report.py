@@ -19,9 +19,26 @@ def print_report(solution: rad.Solution, console: Console) -> None:
     console.print(_facts(solution))
     if solution.power is not None:
         console.print(_bounces(solution.power))
+    if solution.accuracy is not None:
+        console.print(_trials(solution.accuracy))
     certificate = solution.certificate
     for line, good in ((solution.status, solution.converged), (_verdict(certificate), not certificate.reasons)):
         console.print(line, style="green" if good else "yellow", markup=False, highlight=False, soft_wrap=True)
+
+
+def _trials(accuracy: rad.Accuracy) -> Table:
+    """Error against time, and of what it is made."""
+    from rich import box
+    from rich.table import Table
+
+    title = f"error against time, {100 * accuracy.target:g}% asked for"
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    for name in ("seconds", "patches", "rays", "sampling", "discretisation", "truncation", "error"):
+        table.add_column(name, justify="right")
+    for t in accuracy.trials:
+        errors = [f"{error:.2%}" for error in (t.sampling, t.discretisation, t.truncation, t.total)]
+        table.add_row(f"{t.seconds:.2f}", f"{t.patches:,}", f"{t.rays:,}", *errors)
+    return table
 
 
 def _verdict(certificate: Any) -> str:
@@ -46,7 +63,7 @@ def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
     from ..dark import dark_patches
     from ..solution import seconds
 
-    patches, factors, certificate = solution.patches, solution.factors, solution.certificate
+    patches, factors, certificate = solution.patches, solution.lit_factors, solution.certificate
     entries = factors.non_zeros
     kind = "closed" if patches.closed else "open"
     expected = certificate.reciprocity_expected
@@ -64,6 +81,8 @@ def _rows(solution: rad.Solution) -> list[tuple[str, str]]:
         rows.append(("leaks", f"{leaked:,} rays of {solution.statistics['rays/traced']:,} left a closed scene"))
     if story := dark_patches(patches, factors).story:
         rows.append(("dark", story))
+    if left_out := solution.statistics.get("plan/left out"):
+        rows.append(("left out", left_out.removeprefix("left out: ")))
     stages = seconds(solution.statistics)
     parts = ", ".join(f"{stage} {s:.2f}" for stage, s in stages.items())
     rows.append(("seconds", f"{parts}; together {sum(stages.values()):.2f}"))

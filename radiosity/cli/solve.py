@@ -15,6 +15,7 @@ examples:
   radiosity solve cornell_box --patches 4000 --method hemicube --bounces 8
   radiosity solve room.obj --unit mm --sky 1 --lamp "Ceiling lamp=30,28,25" -o room.npz
   radiosity solve meshes/studio.glb --patches 200000 --memory 4G --checkpoint rows -o studio.npz
+  radiosity solve cornell_box --accuracy 1% -o cornell.png    as many patches and rays as that takes
   radiosity solve room.npz --lamp Ceiling=0 -o dark.vtp       other light on the same form factors, at once
 
 A .npz holds everything, for `radiosity view` and rad.read_solution; a .vtp all bounces, for ParaView; a .html a page
