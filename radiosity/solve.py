@@ -12,7 +12,7 @@ import numpy as np
 
 from .accuracy import Found, light_to
 from .errors import ParameterError, UnlitSceneWarning
-from .form_factors import MonteCarlo
+from .form_factors import MonteCarlo, TwoLevel
 from .form_factors.estimate import Estimator
 from .parallel import thread_count
 from .patches import Patches, subdivide
@@ -30,7 +30,7 @@ def solve(
     *,
     patch_count: int | None = None,
     patch_size: float | None = None,
-    estimator: Estimator | None = None,
+    estimator: Estimator | TwoLevel | None = None,
     solver: Solver | None = None,
     bounces: int | None = None,
     accuracy: float | None = None,
@@ -154,7 +154,7 @@ def _as_told(
     scene: Scene,
     patch_count: int | None,
     patch_size: float | None,
-    estimator: Estimator | None,
+    estimator: Estimator | TwoLevel | None,
     solver: Solver | None,
     bounces: int | None,
     dtype: Any,
@@ -182,7 +182,7 @@ def _to_accuracy(
     accuracy: float,
     patch_count: int | None,
     patch_size: float | None,
-    estimator: Estimator | None,
+    estimator: Estimator | TwoLevel | None,
     work: Work,
 ) -> Found:
     if estimator is not None and not isinstance(estimator, MonteCarlo):

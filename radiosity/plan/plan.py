@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..convex import is_convex_room
-from ..form_factors import MonteCarlo
+from ..form_factors import MonteCarlo, TwoLevel
 from ..form_factors.direct_light import worthwhile_emitters
 from ..form_factors.estimate import Estimator
 from ..form_factors.some_rows import RowChoice
@@ -94,7 +94,7 @@ class Plan:
     """
 
     patches: Patches
-    estimator: Estimator
+    estimator: Estimator | TwoLevel
     solver: Solver
     dtype: type[np.float32] | type[np.float64]
     conserve: bool
@@ -150,7 +150,7 @@ class Plan:
 
 def make_plan(
     patches: Patches,
-    estimator: Estimator | None = None,
+    estimator: Estimator | TwoLevel | None = None,
     solver: Solver | None = None,
     bounces: int | None = None,
     dtype: Any = None,
@@ -180,8 +180,9 @@ def make_plan(
     -------
     Plan
     """
-    found = _Found(patches, bounces, solver, threads, leave_out, rows_at_will)
     estimator = MonteCarlo(rays=RAYS, replicates=REPLICATES) if estimator is None else estimator
+    rows_at_will = rows_at_will and not isinstance(estimator, TwoLevel)
+    found = _Found(patches, bounces, solver, threads, leave_out, rows_at_will)
     few = solver is None and bounces is None and found.bounces_expected > MANY_BOUNCES
     chosen = (ConjugateGradient(rtol=rtol) if few else Neumann(rtol=rtol)) if solver is None else solver
     if dtype is None:
@@ -256,7 +257,7 @@ def _rays_each(plan: Plan) -> int:
 def _row_cost(plan: Plan, threads: int) -> tuple[float, float]:
     """About what a row takes: seconds, bytes."""
     entries = min(_rays_each(plan), len(plan.patches)) or len(plan.patches)
-    copies = 1 if plan.estimator.replicates == 1 else 2
+    copies = 1 if getattr(plan.estimator, "replicates", 1) == 1 else 2
     seconds = RAY_SECONDS * _rays_each(plan) / threads if _rays_each(plan) else 6e-7 * len(plan.patches) / threads
     return seconds, copies * entries * (4 + np.dtype(plan.dtype).itemsize)
 
@@ -333,9 +334,11 @@ def _stiffness(plan: Plan, found: _Found) -> Iterator[Item]:
 
 def _levels(plan: Plan) -> Item:
     count = len(plan.patches)
+    if isinstance(plan.estimator, TwoLevel):
+        return Item("two levels", False, "as was asked for")
     if count <= TWO_LEVELS:
         return Item("two levels", True, f"{count:,} patches fit into one matrix")
-    return Item("two levels", False, f"for {count:,} patches a two-level operator would take less than this one matrix")
+    return Item("two levels", False, f"{count:,} patches are many for one matrix: TwoLevel() would take less")
 
 
 def _digits(plan: Plan, found: _Found) -> Item:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..convex import ConvexTracer
 from ..errors import FormFactorError
-from ..form_factors import FormFactors, form_factors
+from ..form_factors import FormFactors, TwoLevel, form_factors
 from ..form_factors.cost import predict
 from ..form_factors.estimate import Estimator, completed
 from ..parallel import thread_count
@@ -134,6 +134,8 @@ def bounces_needed(factors: FormFactors, plan: Plan) -> float:
 
 def _foretold(plan: Plan, threads: int | None) -> Plan:
     """The plan with seconds and bytes, from a sample of its rows."""
+    if isinstance(plan.estimator, TwoLevel):  # how many groups it takes is found out on the way
+        return plan
     cost = predict(plan.patches, plan.estimator, plan.dtype, threads, tracer_of(plan))
     share = float(plan.rows.made.mean())
     bounces = 20.0 if plan.conserve else min(_bounces(plan), MANY_BOUNCES)
@@ -154,7 +156,7 @@ def plan(
     *,
     patch_count: int | None = None,
     patch_size: float | None = None,
-    estimator: Estimator | None = None,
+    estimator: Estimator | TwoLevel | None = None,
     solver: Solver | None = None,
     bounces: int | None = None,
     dtype: Any = None,
