@@ -21,6 +21,7 @@ extensions = [
     "commands",
     "figures",
     "formulas",
+    "lectures",
 ]
 exclude_patterns = ["_build"]
 
@@ -31,6 +32,7 @@ nitpicky = False
 html_theme = "furo"
 html_title = "radiosity"
 html_static_path = ["_static"]
+html_extra_path = ["_build/live"]  # made by the lectures
 html_css_files = ["book.css"]
 html_math_renderer = "formulas"
 html_show_sphinx = False
