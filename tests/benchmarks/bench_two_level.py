@@ -5,7 +5,8 @@ Example: python tests/benchmarks/bench_two_level.py --patches 10000 100000 10000
 The error is the area-weighted relative L2 of B - E over channels, on patches chosen at random. There the light is
 gathered anew: rows of many rays and many shadow rays, times the light of the plain rows, whose noise a gather averages
 away. Two such gathers, independent of each other, give the reference and its own error. Each measurement is a process
-of its own, so that the peak of its memory is its own; compilers have run before the clock starts.
+of its own, so that the peak of its memory is its own; compilers have run before the clock starts. In brackets: seconds
+of all processors together, which tell more on a machine with other work to do.
 """
 
 from __future__ import annotations
@@ -46,16 +47,15 @@ def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[
     for warm in (WARM, WARM + 1000):
         patches = rad.subdivide(SCENES[scene](), patch_count=warm)
         solved(patches, METHODS[method](seed))
-    begin = time.perf_counter()
     patches = rad.subdivide(SCENES[scene](), patch_count=count)
-    cut = time.perf_counter()
+    begin = time.perf_counter(), time.process_time()
     factors = rad.form_factors(patches, METHODS[method](seed))
-    made = time.perf_counter()
+    made = time.perf_counter(), time.process_time()
     gathers = []
     for _ in range(BOUNCES):
-        start = time.perf_counter()
+        start = time.perf_counter(), time.process_time()
         factors.gather(patches.emission + 1.0)
-        gathers.append(time.perf_counter() - start)
+        gathers.append((time.perf_counter() - start[0], time.process_time() - start[1]))
     start = time.perf_counter()
     T = rad.TransportOperator(factors, patches)
     result = rad.Neumann(rtol=1e-4, keep_bytes=0).solve(T, patches.emission, patches.sky)
@@ -63,9 +63,10 @@ def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[
     np.save(out, result.radiosity)
     return {
         "patches": len(patches),
-        "cutting": cut - begin,
-        "factors": made - cut,
-        "bounce": float(np.median(gathers)),
+        "factors": made[0] - begin[0],
+        "processor": made[1] - begin[1],
+        "bounce": float(np.median([clock for clock, _ in gathers])),
+        "bounce, processor": float(np.median([processor for _, processor in gathers])),
         "solve": done - start,
         "operator": factors.nbytes,
         "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
@@ -116,7 +117,8 @@ def compare(scene: str, count: int, methods: list[str], samples: int) -> None:
         error = relative(area, radiosity[chosen] - patches.emission[chosen], true)
         alone = figures.get("levels/patches alone", 0) / len(patches)
         print(
-            f"  {method:>16}  factors {figures['factors']:6.2f} s  bounce {1e3 * figures['bounce']:6.1f} ms  "
+            f"  {method:>16}  factors {figures['factors']:6.2f} s ({figures['processor']:6.2f})  "
+            f"bounce {1e3 * figures['bounce']:6.1f} ms ({1e3 * figures['bounce, processor']:6.1f})  "
             f"solve {figures['solve']:6.2f} s  operator {figures['operator'] / 1e6:6.0f} MB  "
             f"peak {figures['peak'] / 1e9:5.2f} GB  error {error:6.2%}"
             + (f"  ({alone:.0%} of patches alone)" if alone else ""),
