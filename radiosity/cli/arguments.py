@@ -11,7 +11,12 @@ from typing import Any
 
 SIZE = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kKMGT]?)[bB]?\s*")  # 4G, 1.5 GB, 800000000
 UNITS = ("m", "cm", "mm", "in", "ft")
-METHODS = {"monte-carlo": "MonteCarlo", "hemicube": "Hemicube", "analytic": "Analytic"}  # words of the API
+METHODS = {  # words of the API
+    "monte-carlo": "MonteCarlo",
+    "hemicube": "Hemicube",
+    "analytic": "Analytic",
+    "two-levels": "TwoLevel",
+}
 SOLVE_OPTIONS = (
     "unit", "fix_normals", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed",
     "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint", "accuracy",
@@ -20,8 +25,9 @@ CHOSEN_BY_ACCURACY = (
     "method", "rays", "light_rays", "sampling", "replicates", "resolution", "samples", "bounces", "rtol", "checkpoint",
 )  # fmt: skip
 ONLY_FOR = {
-    **dict.fromkeys(("rays", "light_rays", "sampling", "replicates", "seed"), "monte-carlo"),
-    **dict.fromkeys(("resolution", "samples"), "hemicube"),
+    **dict.fromkeys(("rays", "light_rays", "seed"), ("monte-carlo", "two-levels")),
+    **dict.fromkeys(("sampling", "replicates"), ("monte-carlo",)),
+    **dict.fromkeys(("resolution", "samples"), ("hemicube",)),
 }
 
 
@@ -62,14 +68,16 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     size.add_argument("--patches", type=count, metavar="N", help="about how many patches (default: 10000)")
     size.add_argument("--patch-size", type=positive, metavar="M", help="longest edge of a patch, m")
     group = parser.add_argument_group("form factors")
-    group.add_argument("--method", choices=METHODS, help="(default: monte-carlo)")
-    group.add_argument("--rays", type=count, metavar="R", help="rays a patch, for monte-carlo (default: 256)")
+    group.add_argument(
+        "--method", choices=METHODS, help="two-levels: for 100 000 patches and more (default: monte-carlo)"
+    )
+    group.add_argument("--rays", type=count, metavar="R", help="rays a patch (default: 256; two-levels: 128)")
     group.add_argument("--light-rays", type=natural, metavar="R", help="shadow rays between a patch and a lamp's face")
     group.add_argument("--sampling", choices=("sobol", "random"), help="of rays (default: sobol)")
     group.add_argument(
         "--replicates", type=count, metavar="N", help="independent estimates, for standard errors (default: 2)"
     )
-    group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers, for monte-carlo (default: 0)")
+    group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers (default: 0)")
     group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
     group.add_argument("--samples", type=count, metavar="N", help="points a patch, for hemicube (default: 1)")
     group = parser.add_argument_group("series")
@@ -107,10 +115,10 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     from ..plan.plan import RAYS, REPLICATES
 
     method = args.method or "monte-carlo"
-    for option, its_method in ONLY_FOR.items():
-        if getattr(args, option) is not None and method != its_method:
-            word = option.replace("_", "-")
-            raise rad.errors.ParameterError(f"--{word} is for --method {its_method}, not for {method}; leave it out")
+    for option, its_methods in ONLY_FOR.items():
+        if getattr(args, option) is not None and method not in its_methods:
+            word, whose = option.replace("_", "-"), " or ".join(its_methods)
+            raise rad.errors.ParameterError(f"--{word} is for --method {whose}, not for {method}; leave it out")
     if args.accuracy is not None:
         return _accuracy_settings(args)
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}

@@ -103,6 +103,10 @@ def test_words_that_make_no_sense(words, said, capsys):
         (["solve", "furnace", "-o", "folder.npz"], "it is a folder"),
         (["solve", "furnace", "--unit", "mm"], "--unit is for files"),
         (["solve", "furnace", "--resolution", "32"], "--resolution is for --method hemicube, not for monte-carlo"),
+        (
+            ["solve", "furnace", "--method", "two-levels", "--replicates", "2"],
+            "--replicates is for --method monte-carlo",
+        ),
         (["solve", "furnace", "--method", "hemicube", "--seed", "1"], "--seed is for --method monte-carlo"),
         (["solve", "furnace", "--method", "hemicube", "--resolution", "3"], "resolution is 3; give an even number"),
         (["solve", "furnace", "--lamp", "sun=3"], "no surface or material is named 'sun'; there are 'floor'"),
