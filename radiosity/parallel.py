@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
+from .errors import ParameterError
+
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
@@ -20,13 +22,13 @@ def thread_count(threads: int | None = None) -> int:
 
     Raises
     ------
-    ValueError
+    ParameterError
         If `threads` is below one.
     """
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
     if threads < 1:
-        raise ValueError(f"threads is {threads}; give at least 1, or None for all processors")
+        raise ParameterError(f"threads is {threads}; give at least 1, or None for all processors")
     return threads
 
 

@@ -142,18 +142,21 @@ def _edges(mesh: Mesh) -> Iterator[Finding]:
     """Edges that more than two faces share, and edges that only one has."""
     edges = mesh.edges
     if len(edges.crowded):
-        what = f"have {counted(len(edges.crowded), 'edge')} of three faces or more"
+        verb = "has" if len(mesh.names(edges.face[edges.crowded])) == 1 else "have"
+        what = f"{verb} {counted(len(edges.crowded), 'edge')} of three faces or more"
         remedy = "harmless for light, but their shells count as neither open nor closed; is a wall there twice?"
         places = edges.middle[edges.crowded]
         yield _finding(mesh, "non-manifold edges", Severity.NOTE, edges.face[edges.crowded], what, remedy, places)
     seams, faces = t_junctions(mesh)
     if len(seams):
-        what = f"meet other faces in {counted(len(seams), 'T-junction')} (a corner of one on an edge of the other)"
+        verb = "meets" if len(mesh.names(faces)) == 1 else "meet"
+        what = f"{verb} other faces in {counted(len(seams), 'T-junction')} (a corner of one on an edge of the other)"
         remedy = "no light is lost, but a scene is not found closed across them: declare it (Scene(closed=True))"
         yield _finding(mesh, "T-junctions", Severity.NOTE, faces, what, remedy, seams)
     gaps, owners, widest = cracks(mesh)
     if len(gaps):
-        what = f"nearly meet other faces at {counted(len(gaps), 'corner')}, but are up to {widest:.2g} m apart"
+        verb = "meets" if len(mesh.names(owners)) == 1 else "meet"
+        what = f"nearly {verb} other faces at {counted(len(gaps), 'corner')}, but are up to {widest:.2g} m apart"
         remedy = "weld the corners in the modelling program, so that the scene can be found closed"
         yield _finding(mesh, "cracks", Severity.NOTE, owners, what, remedy, gaps)
     rim = open_edges(mesh)
