@@ -95,7 +95,7 @@ def inject(number: int, solutions: Pair, whole: dict[str, list[bytes]], folder: 
             os.waitpid(child, 0)
             return f"hung: {kind} {name}"
         time.sleep(0.002)
-    left = [entry.name for entry in folder.iterdir() if entry.name not in NAMES]
+    left = [entry.name for entry in folder.iterdir() if f"-{child}-" in entry.name]
     content = path.read_bytes()
     if content not in whole[name]:
         return f"half: {kind} {name}"
