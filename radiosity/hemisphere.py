@@ -22,7 +22,7 @@ from .rays import BACK, MISS, OFFSET, Tracer
 
 FloatArray = NDArray[np.float64]
 
-RINGS, SECTORS = 90, 360  # cells of one degree
+RINGS, SECTORS = 120, 480  # cells of ¾ of a degree
 UPRIGHT = (0.0, 1.0, -0.1)  # where azimuth 90° leans: up, and on level faces to the back
 
 

@@ -31,7 +31,7 @@ class Changes:
     Attributes
     ----------
     surface : str
-        Whose emission and reflectance the sliders hold; empty for the scene's brightest.
+        Whose emission and reflectance the sliders hold; empty for that of the picked patch, or the brightest.
     emission : tuple of (str, float)
         Name of a surface and its new exitance, mean over the channels, W/m².
     reflectance : tuple of (str, float)

@@ -52,7 +52,7 @@ def lighter_surface(state: ViewState, model: Model, steps: int) -> ViewState:
 
 def other_surface(state: ViewState, model: Model) -> ViewState:
     """Sliders of the next surface."""
-    return replace(state, changes=next_surface(model.solution.scene, state.changes))
+    return replace(state, changes=next_surface(model.solution.scene, model.held(state)))
 
 
 BOUNCES = (
@@ -97,7 +97,7 @@ HEMISPHERE = (
     Command(("u", "U"), "u", "back along the path", lambda s, _: s.walk_back()),
 )
 PLAY = (
-    Command(("e", "E"), "e", "emission and ρ of the next surface", other_surface),
+    Command(("e", "E"), "e", "sliders of E and ρ: next surface", other_surface),
     Command(("bracketright",), "]", "more emission", lambda s, model: brighter_surface(s, model, 1)),
     Command(("bracketleft",), "[", "less emission", lambda s, model: brighter_surface(s, model, -1)),
     Command(("braceright",), "}", "more reflectance", lambda s, model: lighter_surface(s, model, 1)),

@@ -55,9 +55,16 @@ class Model:
             self._shown = (changes, solution, series)
         return self._shown[1:]
 
+    def held(self, state: ViewState) -> Changes:
+        """The changes with the surface that the sliders hold: the one named, else that of the picked patch."""
+        if state.changes.surface or state.picked < 0:
+            return state.changes
+        patches = self.solution.patches
+        return state.changes.on(patches.surface_names[patches.surface[state.picked]])
+
     def sliders(self, state: ViewState) -> Sliders:
-        """The emission and reflectance sliders of the surface that the state names."""
-        return Sliders.of(self.solution.scene, state.changes)
+        """The emission and reflectance sliders."""
+        return Sliders.of(self.solution.scene, self.held(state))
 
     @functools.cached_property
     def tracer(self) -> Tracer:

@@ -163,9 +163,10 @@ class ViewState:
         return replace(self, mark_clipped=not self.mark_clipped, tone=self.tone if self.mark_clipped else "linear")
 
     def pick(self, patch: int) -> ViewState:
-        """The state with a patch picked, or with none; a path over hemispheres begins anew."""
+        """The state with a patch picked, or with none; a path begins anew, and the sliders go to its surface."""
         left = "order" if patch < 0 and self.left in OF_A_PATCH else self.left
-        return replace(self, picked=patch, other=-1, left=left, dome=replace(self.dome, path=()))
+        dome, changes = replace(self.dome, path=()), self.changes.on("")
+        return replace(self, picked=patch, other=-1, left=left, dome=dome, changes=changes)
 
     def walk(self, patch: int) -> ViewState:
         """Open the hemisphere of a patch that the picked one sees: one step of the recursion.
