@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 def lines(window: Window) -> list[str]:
     """The words of a window."""
     state = window.state
+    if window.complaint:
+        return [window.complaint]
     if state.verdict:
         return str(window.solution.certificate).splitlines()
     if state.left == "wrong":

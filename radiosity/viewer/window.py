@@ -201,11 +201,16 @@ class Window:
             self.show(self.keys[key].change(self.state, self.model))
 
     def show(self, state: ViewState) -> None:
-        """Show another state."""
+        """Show another state; what cannot be computed is said, and things stay as they were."""
         if state.preset != self.state.preset:
             self.look(state.preset)
-        self.state = state
-        self.refresh()
+        before, self.state = self.state, state
+        self.complaint = ""
+        try:
+            self.refresh()
+        except RadiosityError as error:
+            self.state, self.complaint = replace(before, playing=False), str(error)
+            self.refresh()
         self.plotter.render()
 
     def change(self, **fields: Any) -> None:
@@ -228,7 +233,7 @@ class Window:
 
     def refresh(self) -> None:
         """Bring everything up to date with the state; the caller renders."""
-        self._relight()
+        self.solution, self.series = self.model.lit(self.state.changes)
         state = self.state
         for pane, drawing in self.panes.items():
             if state.left != "solvers" and (pane == "sum" or state.left == "order"):
@@ -241,14 +246,6 @@ class Window:
         self.keys_list.refresh()
         self.veil.SetDraw(state.help)
         self._scale_words()
-
-    def _relight(self) -> None:
-        """Solve again where light or paint have changed; what cannot be solved is said, and shown as it was."""
-        try:
-            self.solution, self.series = self.model.lit(self.state.changes)
-            self.complaint = ""
-        except RadiosityError as error:
-            self.complaint = str(error)
 
     def say(self, pane: Pane, heading: str, words: str) -> None:
         """Put words above a pane."""

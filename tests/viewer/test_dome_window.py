@@ -189,6 +189,19 @@ def test_sliders_of_light_and_paint_act_while_they_are_dragged(window: Window, s
     assert window.solution is solution
 
 
+def test_what_cannot_be_computed_is_said_and_nothing_changes(window: Window, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_):
+        raise rad.errors.SolverError("this needs stored form factors")
+
+    before = window.state
+    monkeypatch.setattr(type(window.model), "race", refuse)
+    window.press("y")
+    assert window.state == before
+    assert said(window) == "this needs stored form factors"
+    window.press("a")
+    assert "this needs" not in said(window)
+
+
 def test_picking_a_patch_hands_its_surface_to_the_sliders(window: Window, solution: rad.Solution) -> None:
     wall = nearest(solution.patches, "red_wall", (0.55, 0.3, 0.3))
     window.show(window.state.pick(wall))
