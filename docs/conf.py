@@ -22,6 +22,7 @@ extensions = [
     "figures",
     "formulas",
     "lectures",
+    "keys",
 ]
 exclude_patterns = ["_build"]
 
