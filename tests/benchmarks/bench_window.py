@@ -57,7 +57,7 @@ def measure(patches: int, size: tuple[int, int]) -> dict[str, float]:
     window.press("r")
     window.press("o")
     floor = np.flatnonzero(solution.patches.surface == solution.patches.surface_names.index("floor"))
-    found["pick, hemisphere"] = median(lambda k: window.show(window.state.pick(int(floor[7 * k]))))
+    found["pick, hemisphere"] = median(lambda k: window.show(window.state.pick(int(floor[7 * k % len(floor)]))))
     found["drag ωᵢ"] = median(lambda k: window.change(dome=window.state.dome.aimed(4.0 * k, 30.0)))
     window.close()
     return found
