@@ -295,16 +295,18 @@ class Solution:
             export(self, temporary, **settings)
 
     def show(self, **settings: Any) -> None:
-        """Open the viewer; returns when its window is closed. See `radiosity.viewer.view` for the settings.
+        """Open the viewer, and return when its window is closed; inside a notebook, show the page there.
+
+        See `radiosity.viewer.view` for the settings, and `radiosity.viewer.notebook.show` for those of a notebook.
 
         Raises
         ------
         DisplayError
             There is no display, or no GL; with what to do about it.
         """
-        from .viewer import view
+        from .viewer.notebook import show
 
-        view(self, **settings)
+        show(self, **settings)
 
     def __str__(self) -> str:
         """The story in a few lines."""

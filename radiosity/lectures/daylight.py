@@ -118,7 +118,7 @@ LECTURE = Lecture(
             title="The daylight factor",
             text="""
                 Lighting people give the light on a desk as a share of what it would be outdoors under the same sky: H
-                / (π L_sky). Rules for offices ask for 2 % or so.
+                / (π L(sky)). Rules for offices ask for 2 % or so.
             """,
             show={"scene": "white", "order": 12},
             question="A metre from the window it is {near_desk:.1%}. And four metres from it?",

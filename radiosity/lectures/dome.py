@@ -1,4 +1,4 @@
-"""Lambert under a uniform dome: irradiance is π L_i, and L_o = ρ L_i. And when it is not.
+"""Lambert under a uniform dome: irradiance is π Lᵢ, and Lₒ = ρ Lᵢ. And when it is not.
 
 A lecture is this file: copy it, change words, add a `Step`, and run it with ``radiosity lecture FILE.py``.
 """
@@ -37,7 +37,7 @@ def beside_the_wall(floor: rad.Solution) -> tuple[np.ndarray, np.ndarray]:
 def wall_plot(solved: dict[str, rad.Solution]) -> Any:
     """How far L_o = ρ L_i is off on the floor."""
     distance, share = beside_the_wall(solved["floor"])
-    figure, axes = plot("distance from the red wall, m", "L_o / (ρ L_sky)")
+    figure, axes = plot("distance from the red wall, m", r"$L_o\,/\,(\rho\,L_{sky})$")
     for channel, colour, name in ((0, "#e4572e", "red"), (1, "#5fb346", "green"), (2, "#5b8def", "blue")):
         axes.plot(distance, share[:, channel], color=colour, label=name, linewidth=2)
     axes.axhline(1.0, color="#9aa3ae", linewidth=1, linestyle="--")
@@ -76,7 +76,7 @@ LECTURE = Lecture(
             title="A ball under an even sky",
             text="""
                 A matt ball hangs in an overcast that is the same all around, also below: from every direction comes
-                the radiance L_i = 1 W/(m² sr). The paint has ρ = 0.5. No lamp, no shadow.
+                the radiance Lᵢ = 1 W/(m² sr). The paint has ρ = 0.5. No lamp, no shadow.
             """,
             show={"scene": "grey", "order": 0},
             question="What will the ball look like? Where is it brightest, where darkest?",
@@ -87,11 +87,11 @@ LECTURE = Lecture(
             minutes=3,
         ),
         Step(
-            title="Irradiance: π L_i, not 2π L_i",
+            title="Irradiance: π Lᵢ, not 2π Lᵢ",
             text="""
                 What arrives on a square metre? The hemisphere is 2π sr wide, but light that grazes counts by cos θ:
 
-                H = ∫ L_i cos θ dω = L_i ∫₀^{{2π}} dφ ∫₀^{{π/2}} cos θ sin θ dθ = π L_i
+                H = ∫ Lᵢ cos θ dω = Lᵢ · 2π · ∫ cos θ sin θ dθ = Lᵢ · 2π · ½ = π Lᵢ
 
                 The cosine takes exactly half. The solver, which knows nothing of this integral, has H = {H:.4f} W/m².
             """,
@@ -106,15 +106,15 @@ LECTURE = Lecture(
             """,
             show={"scene": "grey", "order": 1},
             question="H is 3.14 W/m², ρ is 0.5. Which radiance does a camera see: 1.57, 0.5, or 0.16?",
-            answer="""{L:.4f} W/(m² sr). Exitance is π times radiance for a matt surface, so L_o = B/π = ρ H/π = ρ
-                L_i. "Albedo times irradiance" is 1.57, and off by π: the most frequent mistake in first renderers.""",
+            answer="""{L:.4f} W/(m² sr). Exitance is π times radiance for a matt surface, so Lₒ = B/π = ρ H/π = ρ Lᵢ.
+                "Albedo times irradiance" is 1.57, and off by π: the most frequent mistake in first renderers.""",
             minutes=4,
         ),
         Step(
             title="ρ → 1: the furnace test",
             text="""
-                Paint the ball perfectly white. Then L_o = L_i = {white_L:.4f}: the ball is exactly as bright as the
-                sky behind it, and if the sky were drawn it could not be seen at all.
+                Paint the ball perfectly white. Then Lₒ = Lᵢ = {white_L:.4f}: the ball is exactly as bright as the sky
+                behind it, and if the sky were drawn it could not be seen at all.
 
                 People who write renderers use this as a test. A ball that stays visible gains or loses energy
                 somewhere: a missing cosine, a π too many, a wrong sampling density.
@@ -129,21 +129,21 @@ LECTURE = Lecture(
                 away from the floor at its foot, and puts red light in its place.
             """,
             show={"scene": "floor", "order": 4, "camera": SIDE},
-            question="Does L_o = ρ L_i still hold near the wall, with L_i the sky's radiance?",
-            answer="""No. At the foot of the wall the floor has {near_red:.2f} of ρ L_sky in red and {near_blue:.2f}
-                in blue; far away {far_red:.2f} and {far_blue:.2f}. L_i is not one number any more.""",
+            question="Does Lₒ = ρ Lᵢ still hold near the wall, with Lᵢ the sky's radiance?",
+            answer="""No. At the foot of the wall the floor has {near_red:.2f} of ρ L(sky) in red and {near_blue:.2f}
+                in blue; far away {far_red:.2f} and {far_blue:.2f}. Lᵢ is not one number any more.""",
             reveal={"figure": wall_plot},
             minutes=4,
         ),
         Step(
             title="What remains true",
             text="""
-                Always: B = ρ H, and L_o = B/π, for matt surfaces.
+                Always: B = ρ H, and Lₒ = B/π, for matt surfaces.
 
-                Always: L_o = ρ × the mean of L_i over the hemisphere, if the mean is weighted by cos θ. Form factors
+                Always: Lₒ = ρ × the mean of Lᵢ over the hemisphere, if the mean is weighted by cos θ. Form factors
                 are these weights.
 
-                Only for uniform L_i: L_o = ρ L_i. It is a test of a program, not a law to compute rooms with.
+                Only for uniform Lᵢ: Lₒ = ρ Lᵢ. It is a test of a program, not a law to compute rooms with.
             """,
             show={"scene": "floor", "order": 1, "camera": SIDE},
             minutes=2,

@@ -83,28 +83,28 @@ LECTURE = Lecture(
                 Look at the outlined patch of the floor. The light that leaves it, in whatever direction one looks
                 from, is
 
-                L_o = L_e + ∫ ρ/π · L_i · cos θ dω
+                Lₒ = Lₑ + ∫ ρ/π · Lᵢ · cos θ dω
 
                 Five things stand there: what the spot emits, its paint, the light that arrives, the angle at which it
                 arrives, and a sum over all directions. We take them one by one.
             """,
-            show={"order": 10, "pick": SPOT},
+            show={"order": 3, "normalised": True, "pick": SPOT},
             minutes=3,
         ),
         Step(
-            title="L_e: light of its own",
+            title="Lₑ: light of its own",
             text="""
-                Nothing but the lamp shines by itself. For every other surface, and so for our spot, L_e is zero, and
+                Nothing but the lamp shines by itself. For every other surface, and so for our spot, Lₑ is zero, and
                 all that one sees of it is borrowed.
             """,
             show={"order": 0, "pick": SPOT},
             minutes=1,
         ),
         Step(
-            title="L_i: light from all around",
+            title="Lᵢ: light from all around",
             text="""
                 This is what the spot sees of the room: its hemisphere, projected onto half a cube and unfolded.
-                Straight above is the middle, the horizon is the rim. Every point of this picture sends light: L_i
+                Straight above is the middle, the horizon is the rim. Every point of this picture sends light: Lᵢ
                 depends on the direction.
             """,
             show={"order": 10, "pick": SPOT, "left": "hemicube"},
@@ -132,7 +132,7 @@ LECTURE = Lecture(
             title="ρ / π: the paint",
             text="""
                 Matt paint throws light back evenly to all sides, so its BRDF is one number. Why ρ/π and not ρ? Let
-                the same light L_i come from everywhere: then ∫ L_i cos θ dω = π L_i arrives. Of that the share ρ may
+                the same light Lᵢ come from everywhere: then ∫ Lᵢ cos θ dω = π Lᵢ arrives. Of that the share ρ may
                 leave, no more, and it leaves spread over the same hemisphere, which again costs a π.
 
                 So keep two things apart. Irradiance H and exitance B are in W/m², and B = ρ H. Radiance, what an eye
@@ -141,15 +141,15 @@ LECTURE = Lecture(
                 Our spot, in red: H = {H:.3f} W/m² arrives, ρ = {rho:.2f}, so ρ H = {product:.3f} W/m² leaves, and one
                 sees L = {L:.3f} W/(m² sr).
             """,
-            show={"order": 10, "pick": SPOT},
+            show={"order": 10, "pick": SPOT, "left": "hemicube"},
             minutes=4,
         ),
         Step(
             title="∫ becomes Σ",
             text="""
                 A computer cannot take all directions, so it takes patches. The left picture shows the form factors of
-                our spot: F_ij is the share of its view, weighted by the cosine, that patch j fills. The integral is
-                now a sum: B_i = E_i + ρ_i Σ_j F_ij B_j.
+                our spot: Fᵢⱼ is the share of its view, weighted by the cosine, that patch j fills. The integral is
+                now a sum: Bᵢ = Eᵢ + ρᵢ Σⱼ Fᵢⱼ Bⱼ.
             """,
             show={"order": 10, "pick": SPOT, "left": "factors"},
             question="What must the form factors of one patch add up to?",
@@ -161,8 +161,8 @@ LECTURE = Lecture(
         Step(
             title="L on both sides",
             text="""
-                L_i, the light that arrives, is the L_o of some other point. To know our spot one must know all it
-                sees; to know those, all that they see, our spot included.
+                Lᵢ, the light that arrives, is the Lₒ of some other point. To know our spot one must know all it sees;
+                to know those, all that they see, our spot included.
 
                 Go there by hand: click a patch, look at what it sees, click again. The equation is recursive, and
                 there is no first patch to begin with.
@@ -173,10 +173,10 @@ LECTURE = Lecture(
         Step(
             title="Put it into itself",
             text="""
-                Write T for one round of "gather, weigh, reflect", so that L = L_e + T L. Now replace the L on the
+                Write T for one round of "gather, weigh, reflect", so that L = Lₑ + T L. Now replace the L on the
                 right by the whole right side, and again:
 
-                L = L_e + T L_e + T² L_e + …
+                L = Lₑ + T Lₑ + T² Lₑ + …
 
                 The recursion has become a sum over bounces, with the lamp as its beginning. Of the red light of our
                 spot, {direct:.0%} comes from the lamp at the first bounce. Step on with the arrow keys: that is the

@@ -111,11 +111,11 @@ LECTURE = Lecture(
         Step(
             title="Form factors",
             text="""
-                F_ij is the share of the light leaving patch i that arrives at patch j. Light that leaves at a slant
-                is weak by cos θ, so not all pixels count alike: those in the middle count most, those at the rim of
-                the sides almost nothing. Add the weights of the pixels that show j, and you have F_ij.
+                Fᵢⱼ is the share of the light leaving patch i that arrives at patch j. Light that leaves at a slant is
+                weak by cos θ, so not all pixels count alike: those in the middle count most, those at the rim of the
+                sides almost nothing. Add the weights of the pixels that show j, and you have Fᵢⱼ.
 
-                Left: the row of F of our patch, each patch j in the colour of its F_ij.
+                Left: the row of F of our patch, each patch j in the colour of its Fᵢⱼ.
             """,
             show={"order": 8, "pick": FLOOR, "left": "factors"},
             question="The red wall looks huge in the hemicube, the lamp tiny. Which form factors have they?",
@@ -156,7 +156,7 @@ LECTURE = Lecture(
             """,
             show={"order": 8, "pick": FLOOR, "pick_other": CEILING},
             question="Their areas: {area_floor:.3g} and {area_ceiling:.3g} cm². Which product is the same both ways?",
-            answer="""A_i F_ij = A_j F_ji: {G:.2e} and {G_back:.2e} cm², computed apart, so equal but for pixels and
+            answer="""Aᵢ Fᵢⱼ = Aⱼ Fⱼᵢ: {G:.2e} and {G_back:.2e} cm², computed apart, so equal but for pixels and
                 because each hemicube stands in the middle of its patch. This is reciprocity: swap lamp and eye, and
                 the light between them is the same.""",
             minutes=3,

@@ -122,7 +122,7 @@ LECTURE = Lecture(
             question="After which bounce does the second room have most light?",
             answer="""A little later than the first: bounce {peak_2_door} is its brightest. Through the door it gets
                 {share_2_door:.0%} of all the light that surfaces send out.""",
-            reveal={"scene": "door", "order": 4},
+            reveal={"scene": "door", "order": 7},
             minutes=3,
         ),
         Step(

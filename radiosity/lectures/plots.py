@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COLOURS", "FAINT", "HERE", "INK", "legend", "pixels", "plot", "save_svg"]
 
-SIZE = (5.6, 6.2)  # inches: the shape of a pane
+SIZE = (4.8, 5.2)  # inches: the shape of a pane
 COLOURS = ("#5b8def", "#ff7043", "#5fb346", "#d9b44a", "#b07cd8", "#9aa3ae")  # for curves, in this order
 
 
@@ -41,7 +41,7 @@ def plot(x: str, y: str, *, log: str = "", title: str = "") -> tuple[Figure, Axe
 
     figure = Figure(figsize=SIZE, dpi=100, facecolor=PANEL)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.16, 0.12, 0.8, 0.78))
+    axes = figure.add_axes((0.18, 0.13, 0.78, 0.77))
     axes.set_prop_cycle(cycler(color=COLOURS))
     axes.set_facecolor(PANEL)
     axes.set_xlabel(x, color=INK, fontsize=12)

@@ -49,10 +49,10 @@ def norms(box: rad.Solution) -> np.ndarray:
 def norm_plot(solved: dict[str, rad.Solution]) -> Any:
     """Norm of each order of the box, and its power."""
     box = solved["box"]
-    figure, axes = plot("bounce k", "of order 1", log="y")
+    figure, axes = plot("bounce k", "against order 1", log="y")
     sizes, power = norms(box), np.einsum("n,knc->k", box.patches.area, bounces(box))
-    axes.plot(range(1, len(sizes)), sizes[1:] / sizes[1], "o-", label="norm of T^k L_e")
-    axes.plot(range(1, len(power)), power[1:] / power[1], "s-", label="power of T^k L_e")
+    axes.plot(range(1, len(sizes)), sizes[1:] / sizes[1], "o-", label="norm of $T^k L_e$")
+    axes.plot(range(1, len(power)), power[1:] / power[1], "s-", label="power of $T^k L_e$")
     axes.plot([1, 14], [1, (sizes[-1] / sizes[-2]) ** 13], "--", color="#9aa3ae", label="the last ratio, all the way")
     legend(axes, "lower left")
     return figure
@@ -105,7 +105,7 @@ LECTURE = Lecture(
         Step(
             title="How many bounces?",
             text="""
-                After k bounces the share ρ^(k+1) is still missing. At ρ = 0.5 and ten bounces that is
+                After k bounces the share ρᵏ⁺¹ is still missing. At ρ = 0.5 and ten bounces that is
                 {missing_half:.2%}.
             """,
             show={"scene": "furnace 0.5", "order": 10},
@@ -144,8 +144,8 @@ LECTURE = Lecture(
             title="What falls is the norm",
             text="""
                 T can make single patches brighter, but not the room as a whole: each bounce hands on at most max ρ of
-                its power, whoever gets it. The size of T^k L_e over all patches falls to {ratio_2:.2f} from order 1
-                to 2.
+                its power, whoever gets it. The size of Tᵏ Lₑ over all patches falls to {ratio_2:.2f} from order 1 to
+                2.
             """,
             show={"scene": "box", "order": 2},
             question="Is the ratio the same from bounce to bounce?",
@@ -158,7 +158,7 @@ LECTURE = Lecture(
         Step(
             title="Play: darker paint",
             text="""
-                If all paint is made s times as bright, T becomes s T, and the k-th bounce s^k times what it was:
+                If all paint is made s times as bright, T becomes s T, and the k-th bounce sᵏ times what it was:
                 exactly, since the equation is linear in each bounce. In the handed-out page the slider "paint" does
                 this: drag it and watch the curves tilt. At 0 only the lamp is left.
 

@@ -134,6 +134,7 @@ const triple = (values) => (values[0] === values[1] && values[1] === values[2] ?
 
 function showPick() {
   const i = state.picked;
+  $("pick").classList.toggle("none", i < 0);
   if (i < 0) {
     $("pick").textContent = "Click a patch to read its light.";
     return;
