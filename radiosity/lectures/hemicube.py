@@ -15,7 +15,7 @@ from radiosity.viewer.inspect import HemicubeView
 
 FLOOR = (0.42, 0.0, 0.12)  # towards the red wall
 SHADOW = (0.16, 0.0, 0.04)  # before the short block
-CEILING = (0.10, 0.5488, 0.45)
+CEILING = (0.48, 0.5488, 0.30)
 RESOLUTIONS = (8, 12, 16, 24, 32, 48, 64, 96)
 FINE = 320
 
@@ -154,7 +154,7 @@ LECTURE = Lecture(
                 A patch of the ceiling is picked too. Seen from one another they look different: areas and angles
                 differ. From floor to ceiling F = {there:.2e}, back {back:.2e}.
             """,
-            show={"order": 8, "pick": FLOOR, "pick_other": CEILING},
+            show={"order": 8, "pick": FLOOR, "pick_other": CEILING, "left": "hemicube"},
             question="Their areas: {area_floor:.3g} and {area_ceiling:.3g} cm². Which product is the same both ways?",
             answer="""Aᵢ Fᵢⱼ = Aⱼ Fⱼᵢ: {G:.2e} and {G_back:.2e} cm², computed apart, so equal but for pixels and
                 because each hemicube stands in the middle of its patch. This is reciprocity: swap lamp and eye, and

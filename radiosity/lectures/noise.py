@@ -59,6 +59,7 @@ def path_plot(solved: dict[str, rad.Solution]) -> Any:
     found = errors(solved)
     figure, axes = plot("random paths per patch, N", "error of the reflected light", log="xy")
     axes.plot(PATHS, found, "o-", label="path tracing")
+    axes.set_xticks(PATHS, [str(paths) for paths in PATHS])
     axes.plot(PATHS, found[0] * np.sqrt(PATHS[0] / np.array(PATHS)), "--", color="#9aa3ae", label="1 / √N")
     legend(axes, "lower left")
     return figure
@@ -90,6 +91,7 @@ def sampling_plot(_solved: dict[str, rad.Solution]) -> Any:
     for sampling, values in sampled().items():
         name = "random" if sampling == "random" else "low-discrepancy (Sobol)"
         axes.plot(RAYS, values, "o-", label=name)
+    axes.set_xticks(RAYS, [str(rays) for rays in RAYS])
     legend(axes, "lower left")
     return figure
 

@@ -134,7 +134,7 @@ class _Steps:
         used = [field for field in place.shown if field in VIEW]
         shown = {"scene": self.names.index(name), "k": state.order, **state_data(state, used)}
         if state.picked >= 0:
-            shown["picked"] = state.picked
+            shown |= {"picked": state.picked, "other": state.other}
         if (camera := place.shown.get("camera")) is not None:
             shown["camera"] = camera_data(camera)
         shown |= self._left(place)

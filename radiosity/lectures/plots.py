@@ -38,6 +38,7 @@ def plot(x: str, y: str, *, log: str = "", title: str = "") -> tuple[Figure, Axe
     from cycler import cycler
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     figure = Figure(figsize=SIZE, dpi=100, facecolor=PANEL)
     FigureCanvasAgg(figure)
@@ -49,6 +50,7 @@ def plot(x: str, y: str, *, log: str = "", title: str = "") -> tuple[Figure, Axe
     axes.set_title(title, color=INK, fontsize=13, loc="left", pad=12)
     if "x" in log:
         axes.set_xscale("log")
+        axes.xaxis.set_minor_formatter(NullFormatter())
     if "y" in log:
         axes.set_yscale("log")
     axes.tick_params(which="both", colors=FAINT, labelsize=10.5)

@@ -33,8 +33,8 @@ SAME = 1e-6  # of the brightest patch: how near light is to a partial sum that i
 # Fields of `ViewState` that a page can begin with, and what its script calls them.
 IN_SCRIPT = {
     "order": "k", "exposure": "ev", "tone": "tone", "normalised": "normalised", "mark_clipped": "markClipped",
-    "false_colour": "falseColour", "smooth": "smooth", "preset": "camera", "picked": "picked", "left": "left",
-    "wrong": "wrong", "difference": "difference", "playing": "playing",
+    "false_colour": "falseColour", "smooth": "smooth", "preset": "camera", "picked": "picked", "other": "other",
+    "left": "left", "wrong": "wrong", "difference": "difference", "playing": "playing",
 }  # fmt: skip
 LEFT_IN_SCRIPT = {"order": "order", "hemicube": "sees", "wrong": "wrong"}
 

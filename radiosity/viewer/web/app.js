@@ -7,7 +7,7 @@ const EXPOSURES = [-6, 12];
 const PLAY_MILLISECONDS = 700;
 const NEUTRAL = {
   scene: 0, k: 1, ev: 0, paint: 1, left: "order", wrong: 0, difference: false, beside: 0, colours: 0, figure: 0, titles: ["", ""],
-  tone: "reinhard", normalised: false, falseColour: false, markClipped: false, smooth: false, playing: false, camera: 0, picked: -1,
+  tone: "reinhard", normalised: false, falseColour: false, markClipped: false, smooth: false, playing: false, camera: 0, picked: -1, other: -1,
 };
 const state = { ...NEUTRAL, show: narrow.matches && !data.talk ? "sum" : "both" };
 const viewer = (window.viewer = { state, set, data });
@@ -19,7 +19,10 @@ function draw() {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   const shown = panes();
   painter.draw(shown, camera, radius);
-  if (state.picked >= 0) for (const pane of shown) if (pane.light && pane.sees === undefined) painter.outline(pane, camera, radius, state.picked);
+  for (const pane of shown) {
+    if (!pane.light || pane.sees !== undefined) continue;
+    for (const patch of [state.picked, state.other]) if (patch >= 0) painter.outline(pane, camera, radius, patch);
+  }
 }
 
 let waiting = false;
@@ -42,7 +45,7 @@ function set(change) {
   state.k = clamp(Math.round(state.k), 0, last);
   state.ev = clamp(state.ev, ...EXPOSURES);
   if (state.left === "wrong" && change.left === "wrong" && change.k === undefined) state.k = last; // beside all the light there is
-  if (state.picked >= scene.meta.patches) state.picked = -1;
+  for (const name of ["picked", "other"]) if (state[name] >= scene.meta.patches) state[name] = -1;
   if ("camera" in change) useCamera(state.camera);
   if ("playing" in change) play();
   showState();
@@ -163,7 +166,7 @@ function pick(x, y) {
   const px = Math.floor(x * ratio), py = canvas.height - 1 - Math.floor(y * ratio);
   const pane = panes().find(({ box, light }) => light && px >= box[0] && px < box[0] + box[2]);
   const patch = pane ? painter.patchesAt(pane, camera, radius, [px, py, 1, 1])[0] : -1;
-  if (patch >= 0 || pane?.sees === undefined) set({ picked: patch });
+  if (patch >= 0 || pane?.sees === undefined) set({ picked: patch, other: -1 });
   return state.picked;
 }
 
