@@ -33,7 +33,9 @@ def check(word: str, args: argparse.Namespace, screen: Screen) -> None:
         arguments.check_output(args.output, (".png",))
     scene = _scene(word, args)
     found = scene.validate()
-    _list(scene, found, screen)
+    list_findings(found, screen)
+    if not found:
+        screen.out.print(f"{scene.name}: nothing to remark", markup=False, highlight=False)
     if args.output is not None:
         _picture(scene, found, args.output, screen)
     errors = sum(one.severity.name == "ERROR" for one in found)
@@ -50,14 +52,13 @@ def _scene(word: str, args: argparse.Namespace) -> rad.Scene:
         return scene(word, args, contacts="keep")
 
 
-def _list(scene: rad.Scene, found: Sequence[Finding], screen: Screen) -> None:
+def list_findings(found: Sequence[Finding], screen: Screen) -> None:
+    """Findings, numbered, a line each."""
     from rich.text import Text
 
     for number, one in enumerate(found, start=1):
         head, _, rest = str(one).partition(": ")
         screen.out.print(Text.assemble(f"{number:3} ", (head, STYLES[head]), f": {rest}"), soft_wrap=True)
-    if not found:
-        screen.out.print(f"{scene.name}: nothing to remark", markup=False, highlight=False)
 
 
 def _picture(scene: rad.Scene, found: Sequence[Finding], path: Path, screen: Screen) -> None:

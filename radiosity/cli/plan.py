@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from . import arguments
+from .check import list_findings
 from .console import Screen
 
 HELP = "say what a scene needs, what is left out and what that saves, before solving it"
@@ -36,8 +37,12 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
     settings = arguments.solve_settings(args)
     for option in ("memory_limit", "checkpoint"):
         settings.pop(option, None)
+    looked_at = scene(args.scene, args)
+    if found := looked_at.validate():
+        screen.out.print("about the scene (`radiosity scenes --check` marks the places in a picture):", style="bold")
+        list_findings(found, screen)
     with screen.working("looking at the scene"):
-        made = rad.plan(scene(args.scene, args), **settings)
+        made = rad.plan(looked_at, **settings)
     print_plan(made, screen)
 
 

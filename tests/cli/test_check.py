@@ -94,3 +94,14 @@ def test_words_that_would_do_nothing(capsys):
     assert "--unit is for --check SCENE" in capsys.readouterr().err
     assert main(["scenes", "--check", "room.obj", "-o", "room.jpg"]) == 2
     assert "'.jpg' is not written here; choose from .png" in capsys.readouterr().err
+
+
+@usual
+def test_a_plan_begins_with_what_is_doubtful(capsys):
+    words = ["room.obj", "--lamp", "ceiling=5", "--patches", "60", "--rays", "16"]
+    assert main(["plan", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("about the scene")
+    assert lines[1].startswith("  1 warning: 'walls' has 1 face against their neighbours")
+    assert main(["plan", *words, "--fix-normals"]) == 0
+    assert "against their neighbours" not in capsys.readouterr().out
