@@ -108,8 +108,9 @@ def test_two_processes_killed_one_after_the_other(patches, here):
     ):
         there = form_factors_on_cluster(patches, METHOD, client=client)
         for k in range(6):
-            os.kill(list(workers.workers.values())[k % 2].pid, signal.SIGKILL)
+            client.wait_for_workers(2, timeout=120)
+            os.kill(list(client.run(os.getpid).values())[k % 2], signal.SIGKILL)
             assert np.array_equal(there.gather(light), true)
-            client.wait_for_workers(2, timeout=60)
-        os.kill(next(iter(workers.workers.values())).pid, signal.SIGKILL)
+        client.wait_for_workers(2, timeout=120)
+        os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
         assert same_bits(rad.form_factors(patches, METHOD, executor=client.get_executor()), here)
