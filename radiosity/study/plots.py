@@ -18,7 +18,7 @@ from .summary import grouped
 
 INK, FAINT, FRONT = "#222222", "#CCCCCC", "#222222"
 MOST_PANELS = 3
-CLOCKS = {"wall": "seconds", "processor": "seconds of all processors together"}
+CLOCKS = {"wall": "seconds", "processor": "processor seconds"}
 PER_CENT = FuncFormatter(lambda value, _: f"{100 * value:g} %")
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 SOLVERS = {
