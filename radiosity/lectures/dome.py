@@ -10,7 +10,7 @@ import numpy as np
 import radiosity as rad
 from radiosity.lectures import Lecture, Step, legend, mean, on, plot
 
-SIDE = rad.Camera("side", (5.5, 3.5, 9.0), (1.6, 0.7, 2.0), fov=34.0)
+SIDE = rad.Camera("side", (6.4, 4.4, 10.6), (1.9, 0.6, 2.0), fov=34.0)
 
 
 def solve(patch_count: int = 4_000) -> dict[str, rad.Solution]:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-import traceback
 from pathlib import Path
 from types import ModuleType
 
 from ..errors import ParameterError
+from .blame import blamed
 from .lecture import Lecture
 
 PACKAGE = __package__ or "radiosity.lectures"
-NOT_LECTURES = ("find", "lecture", "light", "page", "plots", "runner", "talk", "window")
+NOT_LECTURES = ("blame", "find", "lecture", "light", "page", "plots", "runner", "talk", "window")
 ORDER = (
     "equation", "dome", "cornell", "rug", "series", "hemicube", "noise", "pinhole", "shortcuts", "daylight",
 )  # fmt: skip
@@ -55,18 +55,6 @@ def own(path: Path) -> ModuleType:
     """A teacher's file, run. It counts as one of the package's, so that what is copied from there works as it is."""
     module = ModuleType(f"{PACKAGE}.{path.stem}")
     module.__file__, module.__package__ = str(path), PACKAGE
-    try:
-        exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), module.__dict__)
-    except (OSError, KeyboardInterrupt, MemoryError):
-        raise
-    except Exception as error:
-        raise ParameterError(f"{path}, line {_line(error, path)}: {type(error).__name__}: {error}") from error
+    text = path.read_text(encoding="utf-8")
+    blamed(str(path), lambda: exec(compile(text, str(path), "exec"), module.__dict__))
     return module
-
-
-def _line(error: Exception, path: Path) -> int | str:
-    """The last line of a file that an error went through."""
-    if isinstance(error, SyntaxError):
-        return error.lineno or "?"
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
-    return lines[-1] if lines and lines[-1] is not None else "?"

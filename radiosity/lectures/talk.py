@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import ParameterError
 from ..solution import Solution
 from ..viewer.state import PANES, Pane, ViewState
+from .blame import asked
 from .lecture import Lecture, Place, Solved, paragraphs
 from .light import nearest
 
@@ -63,12 +64,12 @@ class Talk:
             A number of patches for a lecture whose `solve` takes none.
         """
         if patch_count is None:
-            return cls(lecture, lecture.solve())
+            return cls(lecture, asked(lecture.solve))
         if "patch_count" not in inspect.signature(lecture.solve).parameters:
             raise ParameterError(
                 f"lecture {lecture.name!r} has its own number of patches: its function solve takes no patch_count"
             )
-        return cls(lecture, lecture.solve(patch_count=patch_count))
+        return cls(lecture, asked(lecture.solve, patch_count=patch_count))
 
     @cached_property
     def solutions(self) -> Mapping[str, Solution]:
@@ -78,7 +79,7 @@ class Talk:
     @cached_property
     def numbers(self) -> Mapping[str, Any]:
         """What stands in the texts."""
-        return {} if self.lecture.numbers is None else self.lecture.numbers(self.solved)
+        return {} if self.lecture.numbers is None else asked(self.lecture.numbers, self.solved)
 
     def fill(self, text: str, title: str) -> str:
         """A text with its numbers in it."""
@@ -115,7 +116,7 @@ class Talk:
     def figure(self, place: Place) -> Figure | None:
         """The plot in the left pane, if there is one."""
         draw = place.shown.get("figure")
-        return None if draw is None else draw(self.solved)
+        return None if draw is None else asked(draw, self.solved)
 
     def titles(self, place: Place) -> dict[Pane, str]:
         """Words above the panes that stand for the terms of the series."""

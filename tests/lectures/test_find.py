@@ -6,7 +6,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.errors import ParameterError
-from radiosity.lectures import find, names
+from radiosity.lectures import Talk, find, names
 
 SOURCES = Path(rad.__file__).parent / "lectures"
 OWN = """\
@@ -55,6 +55,25 @@ def test_mistakes_in_a_file_are_named_with_their_line(tmp_path: Path, text: str,
     (tmp_path / "mine.py").write_text(text, encoding="utf-8")
     with pytest.raises(ParameterError, match=message):
         find(str(tmp_path / "mine.py"))
+
+
+@pytest.mark.parametrize(
+    ("solve", "numbers", "message"),
+    [
+        ("lambda: 1 / 0", "None", r"mine\.py, line 4: ZeroDivisionError"),
+        (
+            "lambda: rad.solve(rad.scenes.furnace(), patch_count=6, bounces=1)",
+            "lambda s: s.nothing",
+            "line 4: Attribute",
+        ),
+        ("lambda: rad.solve(rad.scenes.furnace(), patch_count=6, bounces=-1)", "None", "line 4: .*bounces is -1"),
+    ],
+)
+def test_mistakes_in_its_functions_have_a_line(tmp_path: Path, solve: str, numbers: str, message: str) -> None:
+    text = OWN.replace("lambda: None", solve).replace('"Text."),)', f'"Text."),), {numbers}')
+    (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+    with pytest.raises(ParameterError, match=message):
+        _ = Talk.prepare(find(str(tmp_path / "mine.py"))).numbers
 
 
 def test_unknown_lectures_are_named() -> None:
