@@ -9,6 +9,7 @@ import numpy as np
 
 import radiosity as rad
 from radiosity.lectures import Lecture, Step, bounces, mean, nearest, on, plot
+from radiosity.viewer.dome import Dome
 
 SPOT = (0.42, 0.0, 0.12)  # on the floor, towards the red wall
 FRONT = rad.Camera("front", (0.0, 0.4, 6.0), (0.0, 0.0, 0.0), fov=30.0)
@@ -111,6 +112,7 @@ LECTURE = Lecture(
             question="The lamp is a small part of the picture. How much of the light that arrives does it bring?",
             answer="""It fills {lamp_share:.1%} of the view (weighted as we shall see) and brings {lamp_part:.0%} of
                 the red light. The rest comes from walls: they are large, and they are lit.""",
+            reveal={"left": "hemisphere"},
             minutes=3,
         ),
         Step(
@@ -141,7 +143,7 @@ LECTURE = Lecture(
                 Our spot, in red: H = {H:.3f} W/m² arrives, ρ = {rho:.2f}, so ρ H = {product:.3f} W/m² leaves, and one
                 sees L = {L:.3f} W/(m² sr).
             """,
-            show={"order": 10, "pick": SPOT, "left": "hemicube"},
+            show={"order": 10, "pick": SPOT, "left": "hemisphere", "dome": Dome(stage="cosine")},
             minutes=4,
         ),
         Step(

@@ -33,6 +33,7 @@ from .lecture import VIEW, Place
 from .plots import save_svg
 from .talk import Talk
 
+LEFTS = {**LEFT_IN_SCRIPT, "hemisphere": "sees", "solvers": "order"}  # the page unfolds the hemisphere as a hemicube
 HEMICUBE = 192  # pixels an edge, for a row of form factors, as in the window
 
 
@@ -140,9 +141,10 @@ class _Steps:
         shown |= self._left(place)
         if titles := self.talk.titles(place):
             shown["titles"] = [titles.get("order", ""), titles.get("sum", "")]
-        if unable := sorted(set(used) - set(IN_SCRIPT) - {"left"}):
+        unable = set(used) - set(IN_SCRIPT) - {"left", "dome"} | ({"solvers"} & {state.left})
+        if unable:
             warnings.warn(
-                f"step {place.step.title!r} shows {', '.join(unable)}, which the page leaves out",
+                f"step {place.step.title!r} shows {', '.join(sorted(unable))}, which the page leaves out",
                 UnusedFeatureWarning,
                 stacklevel=2,
             )
@@ -168,7 +170,7 @@ class _Steps:
                 "left": "figure",
                 "figure": self._keep({"png": _png(_matrix(place, solution)), "alt": "T, a matrix"}),
             }
-        return {"left": LEFT_IN_SCRIPT[left]}
+        return {"left": LEFTS[left]}
 
     def _keep(self, figure: dict[str, str]) -> int:
         if figure not in self.figures:

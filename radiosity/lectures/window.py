@@ -88,10 +88,9 @@ class LectureWindow(Window):
         state = self.talk.view(place, begin)
         if not moved:
             state = replace(state, preset=self.state.preset)  # as the teacher turned it
-        self.show(state)
         if moved:
-            self.look(state.preset)
-            self.plotter.render()
+            self.look(state.preset)  # first, for the hemisphere has a camera of its own
+        self.show(state)
 
     def _camera(self, place: Place) -> tuple[Any, ...]:
         """What a step says of where to look from."""
