@@ -158,9 +158,9 @@ LECTURE = Lecture(
         Step(
             title="Play: darker paint",
             text="""
-                If all paint is made s times as bright, T becomes s T, and the k-th bounce sᵏ times what it was:
-                exactly, since the equation is linear in each bounce. In the handed-out page the slider "paint" does
-                this: drag it and watch the curves tilt. At 0 only the lamp is left.
+                If all paint is made s times as bright, T becomes s T, and the k-th bounce, T applied k times, sᵏ
+                times what it was: exactly. In the page for a browser the slider "paint" does this: drag it and watch
+                the curves tilt; at 0 only the lamp is left. In the window the slider ρ changes one surface at a time.
 
                 Rooms with white walls are hard for every renderer, and now you know by how much.
             """,
