@@ -5,7 +5,10 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -114,3 +117,10 @@ def test_two_processes_killed_one_after_the_other(patches, here):
         client.wait_for_workers(2, timeout=120)
         os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
         assert same_bits(rad.form_factors(patches, METHOD, executor=client.get_executor()), here)
+
+
+@pytest.mark.long
+def test_the_example_of_the_book():
+    script = Path(__file__).resolve().parents[2] / "docs" / "howto" / "cluster_example.py"
+    run = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=400, check=True)
+    assert "same bits: True" in run.stdout
