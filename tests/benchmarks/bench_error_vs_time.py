@@ -26,6 +26,10 @@ import radiosity as rad
 FloatArray = NDArray[np.float64]
 
 SOLVER_RTOL = 1e-5  # far below every sampling error here
+GROUPED = 8000  # patches, from which two levels run too
+
+
+METHODS = ("apart", "two levels", "plain", "random", "hemicube", "walks, looking", "walks")
 
 
 class Run(NamedTuple):
@@ -57,6 +61,10 @@ def runs(patches: rad.Patches, threads: int | None, quick: bool) -> Iterator[Run
     budgets = [(256, 128), (1024, 256), (4096, 1024), (16384, 2048)]
     for rays, light_rays in budgets[few]:
         yield Run("apart", f"{rays} + {light_rays} rays", by_factors(rad.MonteCarlo(rays, light_rays=light_rays)))
+    if len(patches) >= GROUPED:
+        for rays, light_rays in [(64, 64), (128, 64), (256, 128), (1024, 256), (4096, 1024)][few]:
+            method = rad.TwoLevel(rays, group_rays=8 * rays, light_rays=light_rays)
+            yield Run("two levels", f"{rays} + {light_rays} rays", by_factors(method))
     for rays in [256, 1024, 4096, 16384][few]:
         yield Run("plain", f"{rays} rays", by_factors(rad.MonteCarlo(rays, light_rays=0)))
     for rays in [256, 1024, 4096][few]:
@@ -110,20 +118,25 @@ def main() -> None:
     """Print a table for each number of patches."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", default="cornell_box", help="a built-in scene")
+    parser.add_argument("--arguments", type=int, nargs="*", default=[], help="of the scene, as 60 of cluttered_room")
+    parser.add_argument("--methods", nargs="+", choices=METHODS, help="(default: all)")
     parser.add_argument("--patches", type=int, nargs="+", default=[2000, 10_000])
     parser.add_argument("--reference", type=int, default=1 << 16, help="rays a patch of the converged answer")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--threads", type=int, default=None)
     parser.add_argument("--quick", action="store_true", help="the two smallest budgets of each method")
     options = parser.parse_args()
-    scene = getattr(rad.scenes, options.scene)()
-    for run in runs(rad.subdivide(scene, patch_count=100), options.threads, quick=True):
-        run.radiosity()  # warm: every kernel compiled or loaded
+    scene = getattr(rad.scenes, options.scene)(*options.arguments)
+    wanted = options.methods or METHODS
+    for run in runs(rad.subdivide(scene, patch_count=GROUPED + 1000), options.threads, quick=True):
+        if run.method in wanted:
+            run.radiosity()  # warm: every kernel compiled or loaded
     for count in options.patches:
         patches = rad.subdivide(scene, patch_count=count)
         true, own = reference(patches, options.reference, options.threads)
         print(f"{options.scene}, {len(patches):,} patches; the reference's own error is {100 * own:.3f} %")
-        measure(patches, true, list(runs(patches, options.threads, options.quick)), options.repeats)
+        everything = [run for run in runs(patches, options.threads, options.quick) if run.method in wanted]
+        measure(patches, true, everything, options.repeats)
 
 
 if __name__ == "__main__":
