@@ -3,7 +3,7 @@
 Example: python tests/benchmarks/bench_two_level.py --patches 10000 100000 1000000
 
 The error is the area-weighted relative L2 of B - E over channels, on patches chosen at random. There the light is
-gathered anew: rows of many rays and many shadow rays, times the light of the plain rows, whose noise a gather averages
+gathered anew: rows of many rays and many shadow rays, times the light of plain rows, whose noise a gather averages
 away. Two such gathers, independent of each other, give the reference and its own error. Each measurement is a process
 of its own, so that the peak of its memory is its own; compilers have run before the clock starts. In brackets: seconds
 of all processors together, which tell more on a machine with other work to do.
@@ -24,7 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import radiosity as rad
+from radiosity.form_factors.groups import _cells, _middles
 from radiosity.form_factors.monte_carlo import _BlockOfRows
+from radiosity.patches import locate
 from radiosity.rays import Tracer
 
 FloatArray = NDArray[np.float64]
@@ -40,6 +42,7 @@ METHODS = {
 WARM = 2000  # patches of the run that compiles
 REFERENCE = rad.MonteCarlo(8192, light_rays=2048)
 BOUNCES = 5  # timed
+LIGHT = 100_000  # patches that carry the light of a reference, at most
 
 
 def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[str, float]:
@@ -92,6 +95,21 @@ def gathered(patches: rad.Patches, light: FloatArray, chosen: NDArray[np.int64],
     return out
 
 
+def reference(scene: str, patches: rad.Patches, samples: int) -> tuple[NDArray[np.int64], FloatArray, float]:
+    """Patches chosen at random, their B - E, and its relative error.
+
+    The light that is gathered is that of plain rows on at most `LIGHT` patches: each of more is lit as the one of these
+    that it lies in.
+    """
+    sources = rad.subdivide(SCENES[scene](), patch_count=min(len(patches), LIGHT))
+    at = _cells(patches.grid, np.arange(len(patches)))
+    source = locate(sources.grid, at.face, *_middles(patches.grid, at), at.back)
+    light = solved(sources, METHODS["plain 128"](77))[source]
+    chosen = np.sort(np.random.default_rng(0).choice(len(patches), min(samples, len(patches)), replace=False))
+    halves = [gathered(patches, light, chosen, seed) for seed in (901, 902)]
+    return chosen, np.mean(halves, axis=0), relative(patches.area[chosen], halves[0], halves[1]) / 2.0
+
+
 def relative(area: FloatArray, found: FloatArray, true: FloatArray) -> float:
     """Area-weighted relative L2 over patches and channels."""
     return float(np.sqrt((area[:, None] * (found - true) ** 2).sum() / (area[:, None] * true**2).sum()))
@@ -106,12 +124,9 @@ def compare(scene: str, count: int, methods: list[str], samples: int) -> None:
             words = ["--one", method, "--scenes", scene, "--patches", str(count), "--out", str(out)]
             text = subprocess.run([sys.executable, __file__, *words], check=True, capture_output=True, text=True).stdout
             runs[method] = json.loads(text), np.load(out)
-        patches = rad.subdivide(SCENES[scene](), patch_count=count)
-        chosen = np.sort(np.random.default_rng(0).choice(len(patches), min(samples, len(patches)), replace=False))
-        light = runs[methods[0]][1]
-        halves = [gathered(patches, light, chosen, seed) for seed in (901, 902)]
-    true, area = np.mean(halves, axis=0), patches.area[chosen]
-    own = relative(area, halves[0], halves[1]) / 2.0
+    patches = rad.subdivide(SCENES[scene](), patch_count=count)
+    chosen, true, own = reference(scene, patches, samples)
+    area = patches.area[chosen]
     print(f"{scene}, {len(patches):,} patches; error of the reference on {len(chosen)} of them {own:.2%}")
     for method, (figures, radiosity) in runs.items():
         error = relative(area, radiosity[chosen] - patches.emission[chosen], true)
