@@ -92,6 +92,10 @@ CASES = {
         scene(("floor", SQUARE, [[0, 1, 2, 3]]), ("sheet", *plate(3e-6, [[0, 1, 2, 3]]), SHEET)),
         ("narrow gap", Severity.WARNING, ("floor", "sheet"), 2, None, "cannot resolve"),
     ),
+    "a sheet above the floor, named before it": (
+        scene(("sheet", *plate(3e-6, [[0, 1, 2, 3]]), SHEET), ("floor", SQUARE, [[0, 1, 2, 3]])),
+        ("narrow gap", Severity.WARNING, ("sheet", "floor"), 2, None, "cannot resolve"),
+    ),
     "two rooms without a wall": (
         scene(("below", *plate(-3e-6)), ("above", SQUARE, [[0, 1, 2, 3]])),
         ("thin wall", Severity.WARNING, ("below", "above"), 2, None, "back to back"),
@@ -187,6 +191,7 @@ def test_nothing_else_is_said(name):
         "a lamp touches the floor but for rounding": {"cracks"},
         "a box touches the floor but for rounding": {"cracks"},
         "a sheet above the floor": {"cracks"},
+        "a sheet above the floor, named before it": {"cracks"},
         "two rooms without a wall": {"cracks"},
         "a sliver": set(),
         "light without end": set(),
