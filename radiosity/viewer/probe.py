@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import re
 import subprocess
 import sys
 from typing import Literal, NamedTuple
@@ -128,9 +129,18 @@ def hush() -> None:
         vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 
+def _plain(line: str) -> str:
+    r"""A line of VTK's log without colours, time and place.
+
+    >>> _plain("\x1b[33m2026-11-26 00:24:06 ( 2.4s) [7F80]vtkOSOpenGL:150  WARN| no library\x1b[0m")
+    'no library'
+    """
+    return re.sub(r"\x1b\[[0-9;]*m", "", line).rpartition("| ")[2].strip()
+
+
 def _explanation(where: Where, run: Drawn) -> str:
     """What to tell a person about a test picture that failed."""
-    said = [line.strip() for line in run.stderr.splitlines() if line.strip()]
+    said = [line for line in map(_plain, run.stderr.splitlines()) if line]
     last = f" ({said[-1][:200]})" if said else ""
     if run.returncode == 3:
         return f"a test picture ({where}) came out in wrong colours{last}. {INSTALL}"
