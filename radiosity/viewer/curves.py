@@ -50,6 +50,16 @@ class Curves:
     curves: tuple[Curve, ...]
     marker: float
 
+    def same_but_for_marker(self, other: Curves | None) -> bool:
+        """Whether another plot differs in nothing but its marker."""
+        if other is None or len(self.curves) != len(other.curves):
+            return False
+        words = (self.title, self.below, self.across, self.up) == (other.title, other.below, other.across, other.up)
+        return words and all(
+            (one.colour, one.dots) == (two.colour, two.dots) and np.array_equal(one.points, two.points)
+            for one, two in zip(self.curves, other.curves, strict=True)
+        )
+
 
 def power_curves(series: Series, state: ViewState) -> Curves:
     """Power per bounce on a logarithmic axis, one curve a channel; of a picked patch, its light by order."""

@@ -47,6 +47,12 @@ def _face(style: str, size: int) -> ImageFont.FreeTypeFont:
     return ImageFont.truetype(font(style), size)
 
 
+@functools.lru_cache(maxsize=64)
+def _bytes(colour: str) -> tuple[int, int, int]:
+    red, green, blue = pv.Color(colour).int_rgb
+    return red, green, blue
+
+
 def wrap(text: str, width: float, size: float, style: str = "") -> list[str]:
     """Break a text into lines that are not wider than `width` pixels in letters of `size` pixels."""
     face = _face(style, max(6, round(size)))
@@ -86,6 +92,7 @@ class Words:
     ) -> None:
         self.size = size
         self.style = style
+        self.fitted: tuple[float, float, str] | None = None  # what the size was worked out for
         self.plain, self.strong = colour, False
         self.actor = vtkTextActor()
         self.actor.SetTextScaleModeToNone()
@@ -117,6 +124,8 @@ class Words:
 
     def contrast(self, strong: bool) -> None:
         """Set the letters in stronger colours, for a projector, or in their own."""
+        if strong == self.strong:
+            return
         self.strong = strong
         self.colour(self.plain)
 
@@ -127,6 +136,9 @@ class Words:
 
     def scale(self, scale: float, room: float = 0.0) -> None:
         """Set the letters larger or smaller than designed; not wider than `room` pixels, if that is given."""
+        if self.fitted == (scale, room, self.actor.GetInput()):
+            return
+        self.fitted = (scale, room, self.actor.GetInput())
         size = self.size * scale
         if room > 0.0 and (width := self.width(size)) > room:
             size *= room / width
@@ -186,7 +198,7 @@ class Shapes:
 
     def _set(self, mesh: pv.PolyData, colours: Sequence[str] | NDArray[np.uint8]) -> None:
         if not isinstance(colours, np.ndarray):
-            colours = np.array([pv.Color(colour).int_rgb for colour in colours], dtype=np.uint8).reshape(-1, 3)
+            colours = np.array([_bytes(colour) for colour in colours], dtype=np.uint8).reshape(-1, 3)
         mesh.cell_data.set_array(colours, "rgb")
         mesh.cell_data.active_scalars_name = "rgb"
         self.mapper.SetInputData(mesh)

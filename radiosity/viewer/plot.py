@@ -26,6 +26,7 @@ class Plot:
 
     def __init__(self, renderer: pv.Renderer, box: Box) -> None:
         self.box = box
+        self.shown: Curves | None = None
         left, bottom, _, top = box
         self.grid = Shapes(renderer, opacity=0.5)
         self.lines = [Shapes(renderer, width=2.0) for _ in range(MOST_CURVES)]
@@ -42,7 +43,14 @@ class Plot:
         return [self.title, self.below, *self.across, *self.up]
 
     def show(self, curves: Curves) -> None:
-        """Draw other curves."""
+        """Draw other curves; often only the marker moves."""
+        if not curves.same_but_for_marker(self.shown):
+            self._draw(curves)
+            self.shown = curves
+        x = self.x(curves.marker)
+        self.marker.boxes([(x - 0.0015, self.box[1], x + 0.0015, self.box[3])], [HERE])
+
+    def _draw(self, curves: Curves) -> None:
         left, bottom, right, _ = self.box
         self.title.say(curves.title)
         self.below.say(curves.below)
@@ -68,8 +76,6 @@ class Plot:
                 line.lines(places, curve.colour)
                 wide, high = DOT
                 dots.boxes([(x - wide, y - high, x + wide, y + high) for x, y in places], [curve.colour] * len(places))
-        x = self.x(curves.marker)
-        self.marker.boxes([(x - 0.0015, bottom, x + 0.0015, self.box[3])], [HERE])
 
     def x(self, share: float) -> float:
         """Where a share of the box's width is, in shares of the pane."""

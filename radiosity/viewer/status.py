@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from .inspect import numbers, patch_lines
 from .titles import in_words, units
 
 if TYPE_CHECKING:
+    from ..form_factors import FormFactors
     from ..solution import Solution
     from .dome_reading import DomeReading
     from .window import Window
@@ -63,6 +65,7 @@ def overview(window: Window) -> list[str]:
     ]
 
 
+@functools.lru_cache(maxsize=2)
 def balance_line(solution: Solution) -> str:
     """Where all the power goes."""
     balance = solution.balance
@@ -73,10 +76,16 @@ def balance_line(solution: Solution) -> str:
 
 def verdict_lines(window: Window) -> list[str]:
     """How well the form factors close, and the verdict of the certificate; it is worked out in the background."""
-    closure = float(np.abs(window.solution.factors.closure_defect).max(initial=0.0))
+    closure = largest_closure_defect(window.solution.factors)
     certificate = window.certificate()
     verdict = "verdict: being worked out …" if certificate is None else str(certificate).splitlines()[0]
     return [f"closure defect {closure:.1g} at most", verdict]
+
+
+@functools.lru_cache(maxsize=2)
+def largest_closure_defect(factors: FormFactors) -> float:
+    """By how much a row of form factors fails to close, at most."""
+    return float(np.abs(factors.closure_defect).max(initial=0.0))
 
 
 def dome_lines(window: Window, reading: DomeReading) -> list[str]:

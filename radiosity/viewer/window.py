@@ -291,7 +291,9 @@ class Window:
         for heading, words in self.titles.values():  # side by side
             width = self.plotter.render_window.GetSize()[0] * (1.0 - self.side) / 2.0
             words.scale(self.word_scale(), 0.9 * width - heading.width(heading.size * self.word_scale()))
-        for words in self.keys_list.words:  # the list of keys fills its layer whatever the type
+        for words in (
+            self.keys_list.words if self.state.help else ()
+        ):  # the list of keys fills its layer whatever the type
             words.scale(self.word_scale() * (LARGEST / PROJECTOR_SCALE if strong else 1.0))
             words.contrast(strong)
         self.dashboard.scale(self.word_scale())

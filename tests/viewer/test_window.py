@@ -240,6 +240,7 @@ def test_a_step_of_the_slider_is_quick_without_a_graphics_card(patches: int, lim
     solution = rad.solve(rad.scenes.cornell_box(), patch_count=patches, estimator=rad.MonteCarlo(rays=16), bounces=10)
     window = Window(solution, off_screen=True)
     window.plotter.render_window.SetMultiSamples(0)
+    window.plotter.screenshot(return_img=True)  # before it, nothing is drawn
     times = []
     for k in range(12):
         begin = time.perf_counter()
