@@ -64,8 +64,17 @@ class Cost:
         """One line."""
         return (
             f"{self.patches:,} patches: about {self.nonzeros:,} non-zeros, {gigabytes(self.bytes)} "
-            f"({gigabytes(self.peak_bytes)} at the peak), {self.seconds:.2g} s"
+            f"({gigabytes(self.peak_bytes)} at the peak), {_shown(self.seconds)} s"
         )
+
+
+def _shown(seconds: float) -> str:
+    """Two digits, and none behind the point where there are more.
+
+    >>> _shown(0.123), _shown(3.21), _shown(1234.5)
+    ('0.12', '3.2', '1,234')
+    """
+    return f"{seconds:.2g}" if seconds < 10 else f"{seconds:,.0f}"
 
 
 def predict(
@@ -198,7 +207,7 @@ def check_cost(
     refuse_above(
         limit,
         cost.peak_bytes,
-        f"form factors of {count:,} patches by {estimator} ({cost.nonzeros:,} non-zeros, about {cost.seconds:.2g} s)",
+        f"form factors of {count:,} patches by {estimator} ({cost.nonzeros:,} non-zeros, {_shown(cost.seconds)} s)",
         _ways_out(estimator, dtype),
         "this machine has room for" if memory_limit is None else "the memory limit is",
     )
