@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -98,6 +99,17 @@ def test_what_cannot_be(client, patches, monkeypatch):
         form_factors_on_cluster(patches, METHOD, client=client)
 
 
+def both_alive(client):
+    """Numbers of the workers' processes, once there are two that answer."""
+    deadline = time.monotonic() + 200
+    while time.monotonic() < deadline:
+        found = list(client.run(os.getpid, on_error="ignore").values())
+        if len(found) == 2:
+            return found
+        time.sleep(0.2)
+    raise TimeoutError("the cluster did not start its workers again")
+
+
 @pytest.mark.long
 def test_two_processes_killed_one_after_the_other(patches, here):
     """While rows are made, and between bounces, six times: what was lost is made again."""
@@ -111,11 +123,9 @@ def test_two_processes_killed_one_after_the_other(patches, here):
     ):
         there = form_factors_on_cluster(patches, METHOD, client=client)
         for k in range(6):
-            client.wait_for_workers(2, timeout=120)
-            os.kill(list(client.run(os.getpid).values())[k % 2], signal.SIGKILL)
+            os.kill(both_alive(client)[k % 2], signal.SIGKILL)
             assert np.array_equal(there.gather(light), true)
-        client.wait_for_workers(2, timeout=120)
-        os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+        os.kill(both_alive(client)[0], signal.SIGKILL)
         assert same_bits(rad.form_factors(patches, METHOD, executor=client.get_executor()), here)
 
 
