@@ -12,7 +12,7 @@ def main() -> None:
 
     patches = rad.subdivide(rad.scenes.cornell_box(), patch_count=3_000)
     method = rad.MonteCarlo(rays=128)
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
         here = rad.form_factors(patches, method, executor=client.get_executor())
 
         there = form_factors_on_cluster(patches, method, client=client)

@@ -32,7 +32,7 @@ def client() -> Iterator[object]:
     """Two workers in this process; patient ones, because machines that test have other work to do."""
     with (
         dask.config.set({"distributed.comm.timeouts.connect": "120s"}),
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as workers,
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0") as workers,
         distributed.Client(workers) as found,
     ):
         yield found
@@ -117,7 +117,7 @@ def test_two_processes_killed_one_after_the_other(patches, here):
     true = here.gather(light)
     with (
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=logging.CRITICAL
         ) as workers,
         distributed.Client(workers) as client,
     ):

@@ -49,7 +49,7 @@ def test_threads_processes_dask_and_block_sizes(method, monkeypatch):
     with (
         spawned() as pool,
         distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+            n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=logging.CRITICAL
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
