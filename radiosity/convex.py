@@ -6,10 +6,10 @@ that nothing has to be found out about what hides what. Embree and its tree are 
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from .compiled import kernel
 from .faces import Faces
 from .parallel import blocks
 from .patches import Grid
@@ -101,7 +101,7 @@ def _frames(along: FloatArray, across: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(frame @ frame.transpose(0, 2, 1), frame), dtype=np.float64)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _meet(origins, directions, planes, begin, faces, frames, table, out):  # type: ignore[no-untyped-def]
     """The nearest plane ahead, then the face in it that the point lies deepest in."""
     for r in range(origins.shape[0]):

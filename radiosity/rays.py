@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from .compiled import kernel
 from .faces import Faces
 from .geometry import quad_jacobians, unit
 from .patches import Grid
@@ -207,7 +207,7 @@ def _embree_scene(faces: Faces, corners: FloatArray, shown: NDArray[np.bool_] | 
     return scene, face[order], second[order]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _find_patches(triangle, u, v, directions, triangle_face, second_half, table, whole, out):  # type: ignore[no-untyped-def]
     """Patches from Embree's triangles; the fast twin of `radiosity.patches.locate`."""
     for r in range(triangle.shape[0]):
@@ -227,7 +227,7 @@ def _find_patches(triangle, u, v, directions, triangle_face, second_half, table,
             out[r] = first + cell_at(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _find_points(triangle, u, v, directions, triangle_face, second_half, table, patch, points):  # type: ignore[no-untyped-def]
     """Points met, pulled inside their faces and lifted off them; rays that met no patch are left alone."""
     for r in range(triangle.shape[0]):
@@ -245,7 +245,7 @@ def _find_points(triangle, u, v, directions, triangle_face, second_half, table, 
         _lifted(table, f, a, b, 1.0 if towards < 0.0 else -1.0, points[r])
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _affine(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     """Coordinates of a point in its face's affine frame, from Embree's coordinates (a, b) on one of its triangles."""
     if second_half:
@@ -254,7 +254,7 @@ def _affine(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     return a, b
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _lifted(table, f, a, b, side, out):  # type: ignore[no-untyped-def]
     """Write to out[:3] the point of face f at affine coordinates (a, b), lifted off it to one side."""
     fold = 0.0
@@ -265,7 +265,7 @@ def _lifted(table, f, a, b, side, out):  # type: ignore[no-untyped-def]
         out[x] = point + side * OFFSET * table.normal[f, x]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def cell_at(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     """Cell of face f at Embree's coordinates (a, b) on one of its triangles."""
     columns, rows = table.columns[f], table.rows[f]
@@ -285,7 +285,7 @@ def cell_at(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
     return row * (2 * columns - row) + 2 * column + turned
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _linear_density(s, begin, slope):  # type: ignore[no-untyped-def]
     """Where the integral of begin + slope x over [0, x] has reached the share s of that over [0, 1]."""
     if slope == 0.0:
@@ -294,7 +294,7 @@ def _linear_density(s, begin, slope):  # type: ignore[no-untyped-def]
     return 2.0 * s * total / (begin + np.sqrt(max(0.0, begin * begin + 2.0 * slope * s * total)))
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """Write to out[:3] the point of a cell at (s, t), lifted off the face; uniform in area for uniform (s, t).
 
@@ -333,7 +333,7 @@ def patch_point(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def
     _lifted(table, f, a, b, side, out)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def patch_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """Write `patch_point` of all (s[r], t[r]) to out[r], (n, 3) float32: the same points, many at a time.
 
@@ -347,7 +347,7 @@ def patch_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-de
         _affine_points(table, f, cell, side, s, t, out)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _bilinear_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """`patch_points` of a cell of a quad that is no parallelogram."""
     n = s.shape[0]
@@ -378,7 +378,7 @@ def _bilinear_points(table, f, cell, side, s, t, out):  # type: ignore[no-untype
             out[r, x] = origin + a[r] * to_a + b[r] * to_b + fold[r] * to_fold
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _affine_points(table, f, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """`patch_points` of a cell of a parallelogram or a triangle: one corner and two edges serve all its points."""
     n = s.shape[0]

@@ -10,10 +10,10 @@ import functools
 import operator
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from .compiled import kernel
 from .errors import ParameterError
 
 BITS = 32
@@ -24,7 +24,7 @@ JOE_KUO = ((0b11, (1,)), (0b111, (1, 3)), (0b1011, (1, 3, 1)))
 MOST_DIMENSIONS = 1 + len(JOE_KUO)
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def mix(z):  # type: ignore[no-untyped-def]
     """The finaliser of SplitMix64 (Steele, Lea & Flood 2014, doi 10.1145/2714064.2660195): uint64 to uint64."""
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -32,13 +32,13 @@ def mix(z):  # type: ignore[no-untyped-def]
     return z ^ (z >> np.uint64(31))
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def key(parent, counter):  # type: ignore[no-untyped-def]
     """The key of item `counter` below `parent`, uint64."""
     return mix(parent + (np.uint64(counter) + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15))
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def high_bits(z):  # type: ignore[no-untyped-def]
     """The upper 32 bits, uint32."""
     return np.uint32(z >> np.uint64(32))

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from .compiled import kernel
 from .parallel import blocks, ordered_map
 
 FloatArray = NDArray[np.float64]
@@ -22,7 +22,7 @@ BAND_BYTES = 1 << 22  # of light that is gone through at a time, where there are
 BLOCK_NONZEROS = 1 << 19  # ≈ 1 ms of work: enough blocks to share out, few enough to hand around
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _rows_times_columns(indptr, indices, weights, columns, begin, end, out):  # type: ignore[no-untyped-def]
     width = columns.shape[1]
     flat = columns.reshape(-1)
@@ -45,7 +45,7 @@ def _rows_times_columns(indptr, indices, weights, columns, begin, end, out):  # 
             out[i, 0] = s
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _rows_times_many(indptr, indices, weights, columns, band, begin, end, out):  # type: ignore[no-untyped-def]
     """Many columns, e.g. many emissions.
 
@@ -75,7 +75,7 @@ def _rows_times_many(indptr, indices, weights, columns, band, begin, end, out): 
             place[i - begin] = p
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _rows_times_differences(indptr, indices, weights, own, x, y, with_y, begin, end, out):  # type: ignore[no-untyped-def]
     width = x.shape[1]
     one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)

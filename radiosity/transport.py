@@ -16,12 +16,12 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, InitVar, dataclass, field
 from typing import Any, Protocol
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, diags_array
 from scipy.sparse.linalg import LinearOperator
 
+from .compiled import kernel
 from .errors import FormFactorError, MaterialError, SolverError
 from .form_factors.factors import FormFactors, check_matrix, check_shares
 from .form_factors.levels import TwoLevelFactors
@@ -363,7 +363,7 @@ def norm_by_group(light: FloatArray, area: FloatArray, group: NDArray[np.int64],
     return _norms(flat, area, group, groups).reshape(groups, *light.shape[1:])
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _norms(light, area, group, groups):  # type: ignore[no-untyped-def]
     count, width = light.shape
     largest = np.zeros((groups, width))
@@ -388,7 +388,7 @@ def _norms(light, area, group, groups):  # type: ignore[no-untyped-def]
     return total
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _weighted_sums(light, area):  # type: ignore[no-untyped-def]
     """Σ area × light per column, in the order of the patches."""
     total = np.zeros(light.shape[1])

@@ -10,8 +10,8 @@ from PIL import Image
 
 import radiosity as rad
 from radiosity.camera import presets
+from radiosity.compiled import kernel
 from radiosity.errors import FileFormatError, MemoryLimitError, MissingFileError, ParameterError
-from radiosity.form_factors.kernel import kernel
 from radiosity.render import picture as picture_module
 from radiosity.render import strips
 from radiosity.render.aim import Targets

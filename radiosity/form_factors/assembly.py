@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 from typing import Any, NamedTuple, Protocol
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from ..compiled import kernel
 from ..parallel import blocks, ordered_map
 from ..rays import MISS
 
@@ -166,7 +166,7 @@ def mean_rows(runs: Sequence[Rows], dtype: Float, threads: int | None = None) ->
     return rows._replace(shadow_rays=sum(run.shadow_rays for run in runs), exact_columns=runs[0].exact_columns)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _sum_of_rows(indptr, indices, weights, other_indptr, other_indices, other_weights):  # type: ignore[no-untyped-def]
     """Sum of the same rows of two matrices, in order of columns, as indptr, indices and float64 weights."""
     rows = indptr.shape[0] - 1
@@ -239,7 +239,7 @@ def count_hits(hits: NDArray[np.int32], rows: int, count: int) -> Any:
     return _count_hits(hits, rows, *_room.of(count))
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _count_hits(hits, rows, tally, marks, again, groups):  # type: ignore[no-untyped-def]
     """`count_hits`. The bits give the columns in order without a sort; what was written is zero again at the end.
 
@@ -287,7 +287,7 @@ def _count_hits(hits, rows, tally, marks, again, groups):  # type: ignore[no-unt
     return lengths, indices[:filled].copy(), counts[:filled].copy(), to_sky, to_backs
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _lowest_bit(word):  # type: ignore[no-untyped-def]
     """Number of the lowest bit that is set, by a de Bruijn sequence (Leiserson, Prokop & Randall 1998)."""
     return BIT_OF[((word & (~word + ONE)) * DE_BRUIJN) >> np.uint64(58)]

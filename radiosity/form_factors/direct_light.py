@@ -17,10 +17,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..patches import Patches
 from ..rays import FaceTable, Tracer, whole_faces
 from ..sequences import keys, sobol_points
@@ -253,7 +253,7 @@ def _shadow_rays(ground, pairs, points, shifted, run, origins, directions, weigh
     _kernels(side[:, None] * normal[face], other_side[:, None] * normal[other], origins, directions, weight)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _kernels(normal, other_normal, origins, targets, weight):  # type: ignore[no-untyped-def]
     """Turn targets into directions, and weigh them; normals are those of the two sides of each pair."""
     count = weight.shape[1]
@@ -280,7 +280,7 @@ def _disagree(met: NDArray[np.int32], weight: FloatArray) -> NDArray[np.bool_]:
     return (counts & through).any(axis=1) == (counts & ~through).any(axis=1)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _collect(row, emitter, factor, undecided, first, more, counted, places):  # type: ignore[no-untyped-def]
     """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
 
@@ -332,7 +332,7 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
     return lengths, indices[:filled].copy(), weights[:filled].copy()
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _merge(lengths, indices, counts, to_sky, to_backs, rays, exact, new_lengths, new_indices, new_weights):  # type: ignore[no-untyped-def]
     """Rows of counts with their exact columns replaced, and all else scaled so that each still adds up to 1.
 

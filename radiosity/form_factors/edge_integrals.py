@@ -17,8 +17,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from .gauss import NODES, WEIGHTS
-from .kernel import angle, kernel
+from .kernel import angle
 
 FloatArray = NDArray[np.float64]
 

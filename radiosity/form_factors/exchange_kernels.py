@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernel import kernel
+from ..compiled import kernel
 from .polygon_kernels import MAX_CORNERS, clip_to_front, enclose, heights_over, polygon_points
 
 FloatArray = NDArray[np.float64]

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..compiled import kernel
 from ..errors import GeometryError
-from .kernel import kernel
 from .polygon_kernels import enclose
 
 FloatArray = NDArray[np.float64]

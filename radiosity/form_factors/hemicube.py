@@ -8,10 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..errors import ParameterError
 from ..patches import Patches
 from ..rays import MISS, Tracer, patch_point
@@ -144,7 +144,7 @@ def sample_points(samples: int) -> FloatArray:
     return np.array(points)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def hemicube_rays(table, face, side, front, back, begin, end, points, pixel_directions, origins, directions):  # type: ignore[no-untyped-def]
     """Fill origins and directions of the hemicubes of patches begin … end: points × pixels rays each."""
     point = np.empty(3)
@@ -170,7 +170,7 @@ def hemicube_rays(table, face, side, front, back, begin, end, points, pixel_dire
                 q += 1
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def sum_weights(hits, weights, rows, count):  # type: ignore[no-untyped-def]
     """Item buffers to row lengths, sorted columns, summed weights, and the weights to sky and backs."""
     pixels_each = weights.shape[0]

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..errors import ParameterError
 from ..patches import Patches
 from ..rays import FaceTable, Tracer
@@ -183,7 +183,7 @@ def ray_directions(
     _directions(places.table.tangent, places.table.normal, face, up, samples[2], samples[3], out)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _directions(tangent, normal, face, side, s, t, out):  # type: ignore[no-untyped-def]
     """Fill out (patches × rays, 3) with `cosine_directions` of many patches."""
     rays = s.shape[0] // max(face.shape[0], 1)
@@ -192,7 +192,7 @@ def _directions(tangent, normal, face, side, s, t, out):  # type: ignore[no-unty
         cosine_directions(tangent[face[p]], normal[face[p]], side[p], s[here], t[here], out[here])
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def cosine_directions(tangent, normal, up, s, t, out):  # type: ignore[no-untyped-def]
     """Write to out (n, 3) directions about up × normal, cosine-distributed for uniform s and t, Eq. (14).
 

@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from .edge_integrals import edge_pair
 from .exchange_kernels import NEAR, SAME, Scratch, columns_of, new_scratch, place, rule_for
-from .kernel import kernel
 from .polygon_kernels import distance2_to_polygon, lambert, polygon_points
 
 FloatArray = NDArray[np.float64]

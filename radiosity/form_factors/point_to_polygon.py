@@ -16,11 +16,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..compiled import kernel
 from ..errors import ParameterError
 from ..parallel import blocks, ordered_map
 from .exchange_kernels import ON_PLANE
 from .frames import prepare
-from .kernel import kernel
 from .polygon_kernels import MAX_CORNERS, clip_to_front, heights_over, lambert, polygon_points
 
 FloatArray = NDArray[np.float64]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
+from ..compiled import kernel
 from ..rays import patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def numbers(keys, points, shifted, count, out):  # type: ignore[no-untyped-def]
     """Fill out (4, keys × count) with numbers in [0, 1) for `count` rays of each key.
 
@@ -29,7 +29,7 @@ def numbers(keys, points, shifted, count, out):  # type: ignore[no-untyped-def]
                     out[d, first + r] = high_bits(key(ray, d)) * BITS_TO_UNIT
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def starts(table, face, cell, side, s, t, out):  # type: ignore[no-untyped-def]
     """Fill out (cells × count, 3) with `patch_points` of many cells (n,), for s and t (n × count,)."""
     count = s.shape[0] // max(face.shape[0], 1)

@@ -7,11 +7,11 @@ import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
+from ..compiled import kernel
 from ..errors import FormFactorError, MemoryLimitError, ParameterError
 from .levels import TwoLevelFactors
 
@@ -224,7 +224,7 @@ def _grouped_levels(factors: TwoLevelFactors, group: IntArray, weight: FloatArra
     return np.column_stack([factors.between(left, right), left @ factors.to_sky, left @ factors.to_backs])
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _sum_rows(indptr, indices, weights, to_sky, to_backs, weight, group, shares, variances):  # type: ignore[no-untyped-def]
     row = np.empty(shares.shape[1])
     for i in range(len(group)):

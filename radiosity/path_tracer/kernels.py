@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..rays import MISS, FaceTable, patch_point
 from ..sequences import BITS_TO_UNIT, high_bits, key
 
@@ -57,20 +57,20 @@ class Walks(NamedTuple):
     weight: FloatArray
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _random(walks, w, order, which):  # type: ignore[no-untyped-def]
     """Random number in [0, 1) of one step of walk w."""
     return high_bits(key(key(walks.key[w], order), which)) * BITS_TO_UNIT
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def walk_keys(run, begin, first_path, paths, keys):  # type: ignore[no-untyped-def]
     """Keys of the walks `first_path` … of the patches `begin` …, each from (run, patch, path) alone."""
     for w in range(keys.shape[0]):
         keys[w] = key(key(np.uint64(run), np.uint64(begin + w // paths)), np.uint64(first_path + w % paths))
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def fresh_points(ground, walks, order):  # type: ignore[no-untyped-def]
     """Put each walk on a point of its patch, uniform in area."""
     for w in range(walks.patch.shape[0]):
@@ -80,7 +80,7 @@ def fresh_points(ground, walks, order):  # type: ignore[no-untyped-def]
         patch_point(ground.table, ground.face[i], cell, up, s, t, walks.points[w])
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def cosine_rays(ground, walks, order, origins, directions):  # type: ignore[no-untyped-def]
     """Rays from where the walks stand, with density cos θ / π about the normal: sin² θ and φ are uniform."""
     for w in range(walks.patch.shape[0]):
@@ -96,7 +96,7 @@ def cosine_rays(ground, walks, order, origins, directions):  # type: ignore[no-u
             origins[w, c] = walks.points[w, c]
 
 
-@numba.njit(nogil=True, cache=True, inline="always")
+@kernel(inline="always")
 def _density_of_cosine_rays(ground, i, x, j, y):  # type: ignore[no-untyped-def]
     """Rays per area of patch j at y, of those that leave x on i: cos θ cos θ' / π r²; 0 if one is behind the other."""
     n, m = ground.table.normal[ground.face[i]], ground.table.normal[ground.face[j]]
@@ -109,7 +109,7 @@ def _density_of_cosine_rays(ground, i, x, j, y):  # type: ignore[no-untyped-def]
     return here * there / (np.pi * r2 * r2)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def shadow_rays(ground, walks, order, emitter, share, origins, directions):  # type: ignore[no-untyped-def]
     """Choose a point of an emitter for each walk; returns how many of them face it. Their rays come first.
 
@@ -134,7 +134,7 @@ def shadow_rays(ground, walks, order, emitter, share, origins, directions):  # t
     return lit
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def add_seen(ground, walks, met, emitter, share, found):  # type: ignore[no-untyped-def]
     """Add the emitters that shadow rays reached. Any patch of the face will do: rounding may say the one beside."""
     lit = 0
@@ -149,7 +149,7 @@ def add_seen(ground, walks, met, emitter, share, found):  # type: ignore[no-unty
                 found[w, c] += walks.weight[w, c] * ground.emission[e, c] * share[w]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def meet(ground, walks, met, points, found, alive):  # type: ignore[no-untyped-def]
     """Add the light that rays met at `points` of the patches `met`, move the walks there, and tell which go on."""
     for w in range(met.shape[0]):
@@ -173,7 +173,7 @@ def meet(ground, walks, met, points, found, alive):  # type: ignore[no-untyped-d
         walks.patch[w] = j
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def roulette(walks, order):  # type: ignore[no-untyped-def]
     """Which walks go on: with the chance of their greatest weight, which the weights of survivors make up for."""
     alive = np.empty(walks.patch.shape[0], dtype=np.bool_)
@@ -185,7 +185,7 @@ def roulette(walks, order):  # type: ignore[no-untyped-def]
     return alive
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def add_to_walks(walks, found, total):  # type: ignore[no-untyped-def]
     """Add what this step found to the total of each walk (walks that set out, C)."""
     for w in range(found.shape[0]):
@@ -193,7 +193,7 @@ def add_to_walks(walks, found, total):  # type: ignore[no-untyped-def]
             total[walks.number[w], c] += found[w, c]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def add_to_patches(number, paths, found, sums, squares):  # type: ignore[no-untyped-def]
     """Add what walks found (n, C), and its squares, to the patches that sent them, `paths` walks each, in order."""
     for w in range(found.shape[0]):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..form_factors.kernel import kernel
+from ..compiled import kernel
 from ..patches import Patches
 from ..rays import patch_point
 from ..sequences import BITS_TO_UNIT, high_bits, key

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..form_factors.kernel import kernel
+from ..compiled import kernel
 from ..form_factors.monte_carlo import cosine_directions
 from ..form_factors.polygon_kernels import MAX_CORNERS
 from ..rays import patch_point

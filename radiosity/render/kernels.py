@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..form_factors.kernel import kernel
+from ..compiled import kernel
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..form_factors.kernel import kernel
+from ..compiled import kernel
 from ..form_factors.polygon_kernels import MAX_CORNERS, clip_to_front, lambert
 from ..patches import Patches
 from ..rays import Tracer, patch_point

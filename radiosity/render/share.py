@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from ..form_factors.kernel import kernel
+from ..compiled import kernel
 from ..parallel import blocks, ordered_map
 from .kernels import FloatArray, Pieces, alike
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from ..compiled import kernel
 from ..errors import NoSteadyState, SolverError
 from ..form_factors.factors import FormFactors
 from ..form_factors.levels import TwoLevelFactors
@@ -69,7 +69,7 @@ def _components_of_levels(factors: TwoLevelFactors) -> IntArray:
     return order[number.ravel()]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _union(indptr, indices, weights):  # type: ignore[no-untyped-def]
     """Union-find over the entries above zero; stops as soon as all patches are joined."""
     count = len(indptr) - 1

@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import gmres
 
+from ..compiled import kernel
 from ..errors import SolverError
 from ..form_factors.levels import TwoLevelFactors
 from ..parallel import ordered_map
@@ -218,7 +218,7 @@ def _absolute_exchange(T: TransportOperator, light: FloatArray) -> FloatArray:
     return out
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _absolute_rows(indptr, indices, weights, x, begin, end, out):  # type: ignore[no-untyped-def]
     for i in range(begin, end):
         for p in range(indptr[i], indptr[i + 1]):

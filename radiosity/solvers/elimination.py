@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from ..compiled import kernel
 
 FloatArray = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ def eliminate(exchange: FloatArray, excess: FloatArray) -> Elimination:
     return Elimination(W, pivots)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _eliminate_panel(W, e, pivots, begin, end):  # type: ignore[no-untyped-def]
     """Eliminate columns begin … end; rows of the panel whole, rows below it within the panel only."""
     n = len(e)
@@ -97,7 +98,7 @@ def _eliminate_panel(W, e, pivots, begin, end):  # type: ignore[no-untyped-def]
                     e[i] += share * e[k]
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _substitute(W, pivots, x):  # type: ignore[no-untyped-def]
     n, width = x.shape
     for i in range(n):

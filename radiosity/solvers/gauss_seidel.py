@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..result import Step
 from .admission import row_excess
 from .base import Problem, Solver
@@ -57,7 +57,7 @@ class GaussSeidel(Solver):
             light = flat.reshape(light.shape)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _sweep(indptr, indices, weights, rho, excess, source, light):  # type: ignore[no-untyped-def]
     """One sweep in place; columns are channels times emissions."""
     width = light.shape[1]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..compiled import kernel
 from ..errors import SolverError
 from ..form_factors.on_demand import RowsOnDemand
 from ..result import Step
@@ -81,7 +81,7 @@ class Shooting(Solver):
             problem.count("solver/shots", made)
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _power(area, unshot, i):  # type: ignore[no-untyped-def]
     """Unshot power of a patch, all columns together."""
     total = 0.0
@@ -90,7 +90,7 @@ def _power(area, unshot, i):  # type: ignore[no-untyped-def]
     return area[i] * total
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _brightest(area, unshot):  # type: ignore[no-untyped-def]
     """Patch with the most unshot power, and that power."""
     best, most = 0, -1.0
@@ -101,7 +101,7 @@ def _brightest(area, unshot):  # type: ignore[no-untyped-def]
     return best, most
 
 
-@numba.njit(nogil=True, cache=True)
+@kernel
 def _shoot(indptr, indices, weights, rho, area, light, unshot, count):  # type: ignore[no-untyped-def]
     """Up to `count` shots in place, from columns stored as rows of the transpose; gives how many were made."""
     width = light.shape[1]
