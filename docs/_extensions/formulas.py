@@ -5,6 +5,7 @@ book, whatever else is added around it.
 """
 
 import html
+import re
 from functools import cache
 from typing import Any
 
@@ -20,15 +21,22 @@ SIZE = text_to_path.FONT_SCALE  # points of the drawing that make one em of the 
 FONT = FontProperties(size=SIZE, math_fontfamily="stix")
 LARGER = 1.12  # STIX letters are small beside those of a screen font
 STROKES = {Path.MOVETO: "M", Path.LINETO: "L", Path.CURVE3: "Q", Path.CURVE4: "C", Path.CLOSEPOLY: "Z"}
-OURS = {r"\text{": r"\mathrm{", r"\operatorname{": r"\mathrm{", r"\tfrac": r"\frac", r"\!": ""}
+OURS = {  # commands that matplotlib knows by another name
+    "lVert": "Vert",
+    "rVert": "Vert",
+    "le": "leq",
+    "ge": "geq",
+    "text": "mathrm",
+    "operatorname": "mathrm",
+    "tfrac": "frac",
+}
 
 
 @cache
 def drawing(tex: str) -> str:
     """An SVG that stands on the line of the text around it."""
-    formula = tex.replace("\n", " ").strip()
-    for theirs, ours in OURS.items():
-        formula = formula.replace(theirs, ours)
+    formula = tex.replace("\n", " ").replace(r"\!", "").strip()
+    formula = re.sub(r"\\([a-zA-Z]+)", lambda command: "\\" + OURS.get(command[1], command[1]), formula)
     formula = f"${spaced(formula)}$"
     width, height, depth, *_ = MathTextParser("path").parse(formula, 72, FONT)
     path = Path(*text_to_path.get_text_path(FONT, formula, ismath=True))
