@@ -162,11 +162,14 @@ def test_export_writes_what_is_looked_at(place, capsys):
 
 @needs_gl
 def test_export_writes_contact_sheet_and_film(place):
-    words = ["export", "furnace", "--patches", "24", "--bounces", "2", "-q"]
-    assert main([*words, "-o", "sheet.png", "--sheet"]) == 0
-    assert main([*words, "-o", "box.png", "-o", "box.gif", "--normalised"]) == 0
-    with Image.open(place / "sheet.png") as sheet, Image.open(place / "box.gif") as film:
-        assert sheet.width > sheet.height
+    words = ["export", "furnace", "--patches", "24", "-q", "--bounces"]
+    for bounces in ("2", "5"):
+        assert main([*words, bounces, "-o", f"sheet_{bounces}.png", "--sheet"]) == 0
+    assert main([*words, "2", "-o", "box.png", "-o", "box.gif", "--normalised"]) == 0
+    with Image.open(place / "sheet_2.png") as three, Image.open(place / "sheet_5.png") as six:
+        assert three.height == six.height
+        assert 1.5 * three.width < six.width < 2 * three.width, "a column for each bounce, and one margin"
+    with Image.open(place / "box.gif") as film:
         assert film.n_frames == 3
 
 
