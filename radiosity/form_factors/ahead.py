@@ -25,6 +25,7 @@ from .direct_light import DirectLight, IntArray, _Seen, worthwhile_emitters
 from .exchange_kernels import apart_rows
 
 SECONDS = 120.0  # to wait for at most; compiling takes a tenth
+PATCHES, ROWS = 4000, 16  # of the scene that kernels are tried on
 PROGRAM = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -82,12 +83,14 @@ class _Unseen(DirectLight):
 
 
 def compile_direct_light() -> None:
-    """Call the kernels of direct light once, with arguments as they always have."""
-    patches: Patches = subdivide(cornell_box(), patch_count=50)
+    """Call the kernels of direct light once, with arguments as they always have.
+
+    A few patches, as small as patches usually are: no polygons are so near that other kernels would be called.
+    """
+    patches: Patches = subdivide(cornell_box(), patch_count=PATCHES)
     emitters = worthwhile_emitters(patches, 64, 64)
     assert emitters is not None
     direct = _Unseen(patches, Tracer(patches.grid), emitters, 64, seed_key(0), "sobol")
     none = np.empty(0, dtype=np.int32)
-    rows = len(patches)
-    block = RowBlock(0, np.zeros(rows, np.int64), none, none, np.full(rows, 64), np.zeros(rows, np.int64))
+    block = RowBlock(0, np.zeros(ROWS, np.int64), none, none, np.full(ROWS, 64), np.zeros(ROWS, np.int64))
     direct.put_into(block, 64)
