@@ -63,6 +63,7 @@ FLOORS = (
     "sparse",
     "sequences",
     "compiled",
+    "ahead",
     "executors",
     "parallel",
     "memory",

@@ -124,7 +124,7 @@ def _listener(screen: Screen) -> Any:
 
         def on_start(self, _event: Any) -> None:
             if self.count == 0:
-                screen.say("first run on this machine: compiling kernels, which takes some 15 s and is done once")
+                screen.say("first run on this machine: compiling kernels, which takes some 20 s and is done once")
             if self.depth == 0:
                 self.began = time.perf_counter()
             self.count += 1

@@ -1,21 +1,10 @@
-"""Kernels compiled ahead, in a second process, on the first run on a machine.
-
-numba compiles one kernel at a time. So a second process compiles the kernels of direct light, and leaves them in
-numba's cache on disk, while this one is busy with those of rays. Whatever goes wrong there, nothing is lost but the
-head start: numba writes its cache whole or not at all, and this process compiles what it does not find.
-"""
+"""The kernels of direct light, compiled ahead while this process is busy with those of rays."""
 
 from __future__ import annotations
 
-import multiprocessing
-import subprocess
-import sys
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
-from ..parallel import thread_count
+from ..ahead import Ahead
 from ..patches import Patches, subdivide
 from ..rays import Tracer
 from ..scenes import cornell_box
@@ -24,55 +13,7 @@ from .assembly import RowBlock
 from .direct_light import DirectLight, IntArray, _Seen, worthwhile_emitters
 from .exchange_kernels import apart_rows
 
-SECONDS = 120.0  # to wait for at most; compiling takes a tenth
 PATCHES, ROWS = 4000, 16  # of the scene that kernels are tried on
-PROGRAM = """
-import sys
-sys.path.insert(0, sys.argv[1])
-from radiosity.form_factors.ahead import compile_direct_light
-compile_direct_light()
-"""
-
-_running: list[subprocess.Popen[bytes]] = []
-_begun = False
-
-
-def begin() -> None:
-    """Start the second process, once, if kernels are not there yet, and if it has a processor to run on."""
-    global _begun
-    if _begun:
-        return
-    _begun = True
-    if thread_count() < 2 or multiprocessing.parent_process() is not None or not sys.executable or _found():
-        return
-    package = Path(__file__).resolve().parents[2]
-    silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    try:
-        _running.append(subprocess.Popen([sys.executable, "-c", PROGRAM, str(package)], **silent))
-    except OSError:
-        return
-
-
-def ready() -> None:
-    """Wait for the second process, if there is one."""
-    for process in _running[:]:
-        try:
-            process.wait(SECONDS)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-    _running.clear()
-
-
-def _found() -> bool:
-    """Whether kernels are compiled, or kept on disk; also where numba does not tell."""
-    index: Any = getattr(getattr(apart_rows, "_cache", None), "_cache_file", None)
-    if getattr(apart_rows, "signatures", True) or not hasattr(index, "_load_index"):
-        return True
-    try:
-        return bool(index._load_index())
-    except OSError:
-        return False
 
 
 class _Unseen(DirectLight):
@@ -94,3 +35,6 @@ def compile_direct_light() -> None:
     none = np.empty(0, dtype=np.int32)
     block = RowBlock(0, np.zeros(ROWS, np.int64), none, none, np.full(ROWS, 64), np.zeros(ROWS, np.int64))
     direct.put_into(block, 64)
+
+
+DIRECT_LIGHT = Ahead(__name__, compile_direct_light.__name__, apart_rows)

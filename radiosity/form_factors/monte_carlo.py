@@ -14,7 +14,7 @@ from ..errors import ParameterError
 from ..patches import Patches
 from ..rays import FaceTable, Tracer
 from ..sequences import keys, seed_key, sobol_points
-from . import ahead
+from .ahead import DIRECT_LIGHT
 from .assembly import RowBlock, RowMaker, count_hits
 from .direct_light import DirectLight, worthwhile_emitters
 from .starts import numbers, starts
@@ -108,7 +108,7 @@ class _BlockOfRows:
         self.direct: DirectLight | None = None
         self.exact_columns: NDArray[np.bool_] | None = None
         if emitters is not None:
-            ahead.begin()
+            DIRECT_LIGHT.begin()
             run = seed_key(method.seed, replicate, DIRECT)
             self.direct = DirectLight(patches, tracer, emitters, light_rays, run, method.sampling)
             self.exact_columns = emitters.columns
@@ -127,7 +127,7 @@ class _BlockOfRows:
         rows = RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
         if self.direct is None:
             return rows
-        ahead.ready()
+        DIRECT_LIGHT.ready()
         return self.direct.put_into(rows, self.rays)
 
 

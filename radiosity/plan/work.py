@@ -23,6 +23,7 @@ from ..scene import Scene
 from ..series import check_bounces, run
 from ..solvers import ConjugateGradient, Neumann, Solver
 from ..solvers.admission import connected_components, row_excess
+from ..solvers.ahead import BOUNCES
 from ..transport import TransportOperator
 from .plan import MANY_BOUNCES, PRODUCT_SECONDS, RTOL, Item, Plan, make_plan
 
@@ -71,6 +72,8 @@ def light(plan: Plan, bounces: int | None = None, work: Work | None = None) -> L
         With the plan as it was carried out.
     """
     work = Work() if work is None else work
+    if isinstance(plan.solver, Neumann):
+        BOUNCES.begin()
     factors = form_factors(
         plan.patches,
         plan.estimator,
