@@ -1,6 +1,6 @@
 """Form factors of one closed room with two boxes, by other packages and by this one, on the same patches in one run.
 
-Example: python tests/benchmarks/bench_peers.py --pythons /tmp/peers --install --patches 500 2000 8000
+Example: python tests/benchmarks/bench_peers.py --pythons peers --install --patches 500 2000 8000
 
 Each peer runs in a Python of its own, in the folder named by --pythons; --install makes those with pip. One that is not
 there, fails, or takes longer than --timeout gets a line that says so. Seconds are warm (compilers have run on a small
