@@ -16,11 +16,11 @@ def test_a_furnace_is_studied(tmp_path, monkeypatch, capsys):
     assert main(["study", "furnace", *words]) == 0
     told = capsys.readouterr()
     assert "To 10 %: " in told.out
-    assert "direct light apart" in told.out
     assert "begin with study_furnace/report.html" in told.err.replace("\n", "")
     study = json.loads((tmp_path / "study_furnace" / "study.json").read_text())
     rows = study["tables"]["methods"]
     assert study["clock"] == "processor"
+    assert len({row["family"] for row in rows}) >= 7, "every method, whichever was quickest"
     assert [row["seconds"] for row in rows] == [row["processor_seconds"] for row in rows]
     assert max(row["total_l2"] for row in rows if not row["family"].endswith("walks")) < 1e-5
 
