@@ -1,4 +1,7 @@
-"""How kernels are compiled: when they are first called, kept on disk, and anew when their sources have changed."""
+"""How kernels are compiled: when they are first called, kept on disk, and anew when their sources have changed.
+
+And what they can tell the processor that Python has no words for.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,13 @@ from importlib.util import resolve_name
 from pathlib import Path
 from typing import Any
 
+from llvmlite import ir
 from numba import njit
+from numba.core import types
+from numba.extending import intrinsic
 
 MARK = "@kernel"
+READ, NEAREST, DATA = 0, 3, 1  # arguments of `llvm.prefetch`: to read, into the nearest cache, no instructions
 IMPORTED = re.compile(r"^from (\.[\w.]*) import", re.MULTILINE)
 
 
@@ -82,3 +89,19 @@ def _source(name: str) -> tuple[str, tuple[str, ...]]:
     except OSError:
         text = ""
     return text, tuple(resolve_name(place, package) for place in IMPORTED.findall(text)) if package else ()
+
+
+@intrinsic
+def ask_for(_context, array, place):  # type: ignore[no-untyped-def]
+    """Inside a `@kernel`: begin to fetch ``array[place]`` (one axis, contiguous), and go on."""
+
+    def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        number, pointer = ir.IntType(32), ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [pointer, number, number, number])
+        fetch = builder.module.declare_intrinsic("llvm.prefetch", [pointer], kind)
+        address = builder.bitcast(builder.gep(data, [arguments[1]]), pointer)
+        builder.call(fetch, [address, *(ir.Constant(number, value) for value in (READ, NEAREST, DATA))])
+        return context.get_dummy_value()
+
+    return types.void(array, place), code

@@ -15,10 +15,12 @@ from scipy.sparse import csr_array
 
 from .compiled import kernel
 from .parallel import blocks, ordered_map
+from .prefetch import far_rows_times_columns, far_rows_times_differences
 
 FloatArray = NDArray[np.float64]
 
 BAND_BYTES = 1 << 22  # of light that is gone through at a time, where there are many columns
+FAR_BYTES = 1 << 22  # of light above which its places are asked for ahead; below, that costs more than it saves
 BLOCK_NONZEROS = 1 << 19  # ≈ 1 ms of work: enough blocks to share out, few enough to hand around
 
 
@@ -143,7 +145,7 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
 
     def rows(block: tuple[int, int]) -> None:
         if flat.shape[1] in (1, 3):
-            _rows_times_columns(*arrays, *block, out)
+            (far_rows_times_columns if flat.nbytes > FAR_BYTES else _rows_times_columns)(*arrays, *block, out)
         else:
             _rows_times_many(*arrays, band, *block, out)
 
@@ -181,9 +183,11 @@ def csr_differences(
     own = flat[first : first + matrix.shape[0]]
     out = np.empty_like(own)
     arrays = matrix.indptr, matrix.indices, matrix.data, own, flat, beside
+    far = flat.shape[1] == 3 and flat.nbytes > FAR_BYTES
+    differences = far_rows_times_differences if far else _rows_times_differences
 
     def rows(block: tuple[int, int]) -> None:
-        _rows_times_differences(*arrays, y is not None, *block, out)
+        differences(*arrays, y is not None, *block, out)
 
     for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
         pass

@@ -61,6 +61,7 @@ FLOORS = (
     "display",
     "colour",
     "sparse",
+    "prefetch",
     "sequences",
     "compiled",
     "ahead",

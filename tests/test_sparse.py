@@ -46,6 +46,28 @@ def test_same_bits_for_any_bands_widths_and_threads(monkeypatch, band):
         assert_array_equal(csr_differences(M, x, threads=threads), csr_differences(M, x, threads=1))
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("index", [np.int32, np.int64])
+def test_light_larger_than_caches_gives_the_same_bits(monkeypatch, dtype, index):
+    """One row has more entries than are asked for ahead, most have fewer, and the last has none to ask for."""
+    M = matrix(rows=60, columns=900, dtype=dtype)
+    M = csr_array((M.data, M.indices.astype(index), M.indptr.astype(index)), shape=M.shape)
+    square = matrix(dtype=dtype)
+    rng = np.random.default_rng(3)
+    products = [(M, rng.random((900, c))) for c in (1, 3)]
+    x, y = rng.random((2, 80, 3))
+
+    def found():
+        return [csr_matmul(*p) for p in products] + [csr_differences(square, x, beside) for beside in (None, y)]
+
+    near = found()
+    for name in ("_rows_times_columns", "_rows_times_differences"):
+        monkeypatch.setattr(sparse, name, lambda *_: pytest.fail("the light is taken for near"))
+    monkeypatch.setattr(sparse, "FAR_BYTES", 0)
+    for far, same in zip(found(), near, strict=True):
+        assert_array_equal(far, same)
+
+
 def test_columns_out_of_order_are_summed_too(monkeypatch):
     monkeypatch.setattr(sparse, "BAND_BYTES", 1)
     M = csr_array((np.array([1.0, 2.0, 4.0]), np.array([2, 0, 1]), np.array([0, 3])), shape=(1, 3))
