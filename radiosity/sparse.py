@@ -19,8 +19,9 @@ from .prefetch import far_rows_times_columns, far_rows_times_differences
 
 FloatArray = NDArray[np.float64]
 
-BAND_BYTES = 1 << 22  # of light that is gone through at a time, where there are many columns
+BAND_BYTES = 1 << 20  # of light that is gone through at a time, where there are many columns
 FAR_BYTES = 1 << 22  # of light above which its places are asked for ahead; below, that costs more than it saves
+PANEL = 64  # columns that are summed together, eight vectors of eight, where there are as many
 BLOCK_NONZEROS = 1 << 19  # ≈ 1 ms of work: enough blocks to share out, few enough to hand around
 
 
@@ -73,6 +74,40 @@ def _rows_times_many(indptr, indices, weights, columns, band, begin, end, out): 
                 x0, w0 = columns[indices[p]], np.float64(weights[p])
                 for c in range(width):
                     total[c] += w0 * x0[c]
+                p += 1
+            place[i - begin] = p
+
+
+@kernel
+def _rows_times_panel(indptr, indices, weights, flat, width, first, band, begin, end, out):  # type: ignore[no-untyped-def]
+    """`PANEL` of many columns, from `first` on, in the same order.
+
+    Their number is known when this is compiled, so that each entry is multiplied by whole vectors of light.
+    """
+    place = indptr[begin : end + 1].copy()
+    width, first = np.uint64(width), np.uint64(first)
+    for limit in range(band, len(flat) // width + band, band):
+        for i in range(begin, end):
+            to = width * np.uint64(i) + first
+            if limit == band:
+                for column in range(PANEL):
+                    out[to + np.uint64(column)] = 0.0
+            p, last = place[i - begin], indptr[i + 1]
+            while p + 3 < last and indices[p + 3] < limit:
+                j0, w0 = width * np.uint64(indices[p]) + first, np.float64(weights[p])
+                j1, w1 = width * np.uint64(indices[p + 1]) + first, np.float64(weights[p + 1])
+                j2, w2 = width * np.uint64(indices[p + 2]) + first, np.float64(weights[p + 2])
+                j3, w3 = width * np.uint64(indices[p + 3]) + first, np.float64(weights[p + 3])
+                for column in range(PANEL):
+                    c = np.uint64(column)
+                    total = ((out[to + c] + w0 * flat[j0 + c]) + w1 * flat[j1 + c]) + w2 * flat[j2 + c]
+                    out[to + c] = total + w3 * flat[j3 + c]
+                p += 4
+            while p < last and indices[p] < limit:
+                j0, w0 = width * np.uint64(indices[p]) + first, np.float64(weights[p])
+                for column in range(PANEL):
+                    c = np.uint64(column)
+                    out[to + c] += w0 * flat[j0 + c]
                 p += 1
             place[i - begin] = p
 
@@ -141,13 +176,19 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
     flat = np.ascontiguousarray(columns.reshape(columns.shape[0], width), dtype=np.float64)
     out = np.empty((matrix.shape[0], width))
     arrays = matrix.indptr, matrix.indices, matrix.data, flat
-    band = max(1, BAND_BYTES // (8 * max(1, width))) if matrix.has_sorted_indices else matrix.shape[1]
+    together = min(max(1, width), PANEL)
+    band = max(1, BAND_BYTES // (8 * together)) if matrix.has_sorted_indices else matrix.shape[1]
+    # The last panel goes over columns of the one before again, to the same bits, rather than be a narrow one.
+    panels = [min(first, width - PANEL) for first in range(0, width, PANEL)]
 
     def rows(block: tuple[int, int]) -> None:
-        if flat.shape[1] in (1, 3):
+        if width in (1, 3):
             (far_rows_times_columns if flat.nbytes > FAR_BYTES else _rows_times_columns)(*arrays, *block, out)
-        else:
+        elif width < PANEL:
             _rows_times_many(*arrays, band, *block, out)
+        else:
+            for first in panels:
+                _rows_times_panel(*arrays[:3], flat.reshape(-1), width, first, band, *block, out.reshape(-1))
 
     for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
         pass

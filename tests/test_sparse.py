@@ -35,10 +35,11 @@ def test_differences_are_those_of_numpy(shape, beside):
     assert_allclose(csr_differences(M, x, y), np.einsum("ij,ij...->i...", dense, pairs), rtol=1e-12, atol=1e-13)
 
 
-@pytest.mark.parametrize("band", [1, 100, 1000, 1 << 22])
-def test_same_bits_for_any_bands_widths_and_threads(monkeypatch, band):
-    M, x = matrix(), np.random.default_rng(2).random((80, 3, 9))
-    one_by_one = np.stack([csr_matmul(M, x[..., s]) for s in range(9)], axis=2)
+@pytest.mark.parametrize("band", [1, 100, 10_000, 1 << 22])
+@pytest.mark.parametrize("many", [9, 30, 50])  # with three channels: less than one panel, less than two, more
+def test_same_bits_for_any_bands_widths_and_threads(monkeypatch, band, many):
+    M, x = matrix(), np.random.default_rng(2).random((80, 3, many))
+    one_by_one = np.stack([csr_matmul(M, x[..., s]) for s in range(many)], axis=2)
     monkeypatch.setattr(sparse, "BAND_BYTES", band)
     monkeypatch.setattr(sparse, "BLOCK_NONZEROS", 200)
     for threads in (1, 2, 4):
