@@ -85,26 +85,26 @@ def _rows_times_panel(indptr, indices, weights, flat, width, first, band, begin,
     Their number is known when this is compiled, so that each entry is multiplied by whole vectors of light.
     """
     place = indptr[begin : end + 1].copy()
-    width, first = np.uint64(width), np.uint64(first)
+    stride, start = np.uint64(width), np.uint64(first)
     for limit in range(band, len(flat) // width + band, band):
         for i in range(begin, end):
-            to = width * np.uint64(i) + first
+            to = stride * np.uint64(i) + start
             if limit == band:
                 for column in range(PANEL):
                     out[to + np.uint64(column)] = 0.0
             p, last = place[i - begin], indptr[i + 1]
             while p + 3 < last and indices[p + 3] < limit:
-                j0, w0 = width * np.uint64(indices[p]) + first, np.float64(weights[p])
-                j1, w1 = width * np.uint64(indices[p + 1]) + first, np.float64(weights[p + 1])
-                j2, w2 = width * np.uint64(indices[p + 2]) + first, np.float64(weights[p + 2])
-                j3, w3 = width * np.uint64(indices[p + 3]) + first, np.float64(weights[p + 3])
+                j0, w0 = stride * np.uint64(indices[p]) + start, np.float64(weights[p])
+                j1, w1 = stride * np.uint64(indices[p + 1]) + start, np.float64(weights[p + 1])
+                j2, w2 = stride * np.uint64(indices[p + 2]) + start, np.float64(weights[p + 2])
+                j3, w3 = stride * np.uint64(indices[p + 3]) + start, np.float64(weights[p + 3])
                 for column in range(PANEL):
                     c = np.uint64(column)
                     total = ((out[to + c] + w0 * flat[j0 + c]) + w1 * flat[j1 + c]) + w2 * flat[j2 + c]
                     out[to + c] = total + w3 * flat[j3 + c]
                 p += 4
             while p < last and indices[p] < limit:
-                j0, w0 = width * np.uint64(indices[p]) + first, np.float64(weights[p])
+                j0, w0 = stride * np.uint64(indices[p]) + start, np.float64(weights[p])
                 for column in range(PANEL):
                     c = np.uint64(column)
                     out[to + c] += w0 * flat[j0 + c]
