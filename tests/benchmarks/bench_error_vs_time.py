@@ -58,7 +58,9 @@ def runs(patches: rad.Patches, threads: int | None, quick: bool) -> Iterator[Run
         return lambda: tracer.solve(patches, threads=threads).radiosity
 
     few = slice(0, 2) if quick else slice(None)
-    budgets = [(256, 128), (1024, 256), (4096, 1024), (16384, 2048)]
+    budgets = [(256, 128), (1024, 256), (2048, 512), (4096, 1024), (4096, 2048), (16384, 4096)]
+    if len(patches) < GROUPED:
+        budgets.append((32768, 8192))
     for rays, light_rays in budgets[few]:
         yield Run("apart", f"{rays} + {light_rays} rays", by_factors(rad.MonteCarlo(rays, light_rays=light_rays)))
     if len(patches) >= GROUPED:
