@@ -79,35 +79,34 @@ def _rows_times_many(indptr, indices, weights, columns, band, begin, end, out): 
 
 
 @kernel
-def _rows_times_panel(indptr, indices, weights, flat, width, first, band, begin, end, out):  # type: ignore[no-untyped-def]
-    """`PANEL` of many columns, from `first` on, in the same order.
+def _rows_times_panel(indptr, indices, weights, flat, first, band, begin, end, out):  # type: ignore[no-untyped-def]
+    """`PANEL` of many columns, those of `out` from `first` on, in the same order.
 
     Their number is known when this is compiled, so that each entry is multiplied by whole vectors of light.
     """
     place = indptr[begin : end + 1].copy()
-    stride, start = np.uint64(width), np.uint64(first)
-    for limit in range(band, len(flat) // width + band, band):
+    width = np.uint64(PANEL)
+    for limit in range(band, len(flat) // PANEL + band, band):
         for i in range(begin, end):
-            to = stride * np.uint64(i) + start
+            total = out[i, first : first + PANEL]
             if limit == band:
-                for column in range(PANEL):
-                    out[to + np.uint64(column)] = 0.0
+                total[:] = 0.0
             p, last = place[i - begin], indptr[i + 1]
             while p + 3 < last and indices[p + 3] < limit:
-                j0, w0 = stride * np.uint64(indices[p]) + start, np.float64(weights[p])
-                j1, w1 = stride * np.uint64(indices[p + 1]) + start, np.float64(weights[p + 1])
-                j2, w2 = stride * np.uint64(indices[p + 2]) + start, np.float64(weights[p + 2])
-                j3, w3 = stride * np.uint64(indices[p + 3]) + start, np.float64(weights[p + 3])
+                j0, w0 = width * np.uint64(indices[p]), np.float64(weights[p])
+                j1, w1 = width * np.uint64(indices[p + 1]), np.float64(weights[p + 1])
+                j2, w2 = width * np.uint64(indices[p + 2]), np.float64(weights[p + 2])
+                j3, w3 = width * np.uint64(indices[p + 3]), np.float64(weights[p + 3])
                 for column in range(PANEL):
                     c = np.uint64(column)
-                    total = ((out[to + c] + w0 * flat[j0 + c]) + w1 * flat[j1 + c]) + w2 * flat[j2 + c]
-                    out[to + c] = total + w3 * flat[j3 + c]
+                    some = ((total[c] + w0 * flat[j0 + c]) + w1 * flat[j1 + c]) + w2 * flat[j2 + c]
+                    total[c] = some + w3 * flat[j3 + c]
                 p += 4
             while p < last and indices[p] < limit:
-                j0, w0 = stride * np.uint64(indices[p]) + start, np.float64(weights[p])
+                j0, w0 = width * np.uint64(indices[p]), np.float64(weights[p])
                 for column in range(PANEL):
                     c = np.uint64(column)
-                    out[to + c] += w0 * flat[j0 + c]
+                    total[c] += w0 * flat[j0 + c]
                 p += 1
             place[i - begin] = p
 
@@ -179,7 +178,8 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
     together = min(max(1, width), PANEL)
     band = max(1, BAND_BYTES // (8 * together)) if matrix.has_sorted_indices else matrix.shape[1]
     # The last panel goes over columns of the one before again, to the same bits, rather than be a narrow one.
-    panels = [min(first, width - PANEL) for first in range(0, width, PANEL)]
+    firsts = [min(first, width - PANEL) for first in range(0, width if width >= PANEL else 0, PANEL)]
+    panels = list(ordered_map(lambda first: flat[:, first : first + PANEL].ravel(), firsts, threads))  # in one piece
 
     def rows(block: tuple[int, int]) -> None:
         if width in (1, 3):
@@ -187,8 +187,8 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
         elif width < PANEL:
             _rows_times_many(*arrays, band, *block, out)
         else:
-            for first in panels:
-                _rows_times_panel(*arrays[:3], flat.reshape(-1), width, first, band, *block, out.reshape(-1))
+            for first, panel in zip(firsts, panels, strict=True):
+                _rows_times_panel(*arrays[:3], panel, first, band, *block, out)
 
     for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):
         pass
