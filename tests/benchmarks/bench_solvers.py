@@ -164,6 +164,24 @@ def relight(T: rad.TransportOperator, patches: rad.Patches, rtol: float) -> None
     )
 
 
+def sliders(options: argparse.Namespace) -> None:
+    """Medians of ten calls of `Solution.relight`, as a slider makes them."""
+    solution = rad.solve(rad.scenes.cornell_box(), patch_count=options.patches, estimator=rad.MonteCarlo(options.rays))
+    for name, change in {
+        "a lamp": lambda k: {"emission": {"lamp": [12.0 + k, 9.0, 4.0]}},
+        "a wall": lambda k: {"reflectance": {"red_wall": [0.6, 0.05 + 0.01 * k, 0.05]}},
+    }.items():
+        seconds = []
+        for k in range(10):
+            begin = time.perf_counter()
+            again = solution.relight(**change(k))
+            seconds.append(time.perf_counter() - begin)
+        print(
+            f"Solution.relight, {name} of {len(solution.patches)} patches to 1e-6: "
+            f"{1e3 * np.median(seconds):.0f} ms ({1e3 * min(seconds):.0f} … {1e3 * max(seconds):.0f}), {again.status}"
+        )
+
+
 def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -174,6 +192,7 @@ def main() -> None:
     T = rad.TransportOperator(cornell, patches)
     compare(f"Cornell box, {len(patches)} patches, residual 1e-6", T, patches.emission)
     relight(T, patches, 1e-3)
+    sliders(options)
     patches, rooms = factors_of(rad.scenes.two_rooms(door=0.3), options)
     T = rad.TransportOperator(rooms, reflectance=0.99)
     compare(f"two rooms of reflectance 0.99, {len(patches)} patches, residual 1e-6", T, patches.emission[:, :1])
