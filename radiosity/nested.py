@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ParameterError
-from .patches import Grid, Patches, cut, locate
+from .patches import Grid, Patches, cut, grid_with, locate
 from .scene import Scene
 
 FloatArray = NDArray[np.float64]
@@ -40,34 +40,38 @@ def refined(scene: Scene, patches: Patches, factor: int) -> Patches:
     >>> len(refined(scene, rad.subdivide(scene, patch_count=24), 3))
     216
     """
+    return cut(scene, finer(patches.grid, factor))
+
+
+def finer(grid: Grid, factor: int) -> Grid:
+    """The grid of `refined`.
+
+    Raises
+    ------
+    ParameterError
+    """
     if factor < 1:
         raise ParameterError(f"factor is {factor}; give at least 1")
-    grid = patches.grid
-    columns, rows = grid.columns * np.int32(factor), grid.rows * np.int32(factor)
-    cells = columns.astype(np.int64) * rows
-    sides = 1 + grid.faces.two_sided
-    front = np.cumsum(cells * sides) - cells * sides
-    back = np.where(grid.faces.two_sided, front + cells, -1)
-    return cut(scene, Grid(grid.faces, columns, rows, front.astype(np.int32), back.astype(np.int32)))
+    return grid_with(grid.faces, grid.columns * np.int32(factor), grid.rows * np.int32(factor))
 
 
-def parents(fine: Patches, coarse: Patches) -> IntArray:
+def parents(fine: Patches, coarse: Grid) -> IntArray:
     """The coarse patch that each fine one lies in, (N fine,).
 
     Parameters
     ----------
     fine : Patches
         From `refined`.
-    coarse : Patches
-        What they were refined from.
+    coarse : Grid
+        Of what they were refined from.
     """
     u, v = _middles(fine)
-    return locate(coarse.grid, fine.face, u, v, fine.side < 0)
+    return locate(coarse, fine.face, u, v, fine.side < 0)
 
 
 def means(values: FloatArray, fine: Patches, coarse: Patches) -> FloatArray:
     """Area-weighted means over the coarse patches, (N coarse, C), of values on the fine ones, (N fine, C)."""
-    parent = parents(fine, coarse)
+    parent = parents(fine, coarse.grid)
     weighted = values * fine.area[:, None]
     sums = np.stack([np.bincount(parent, column, len(coarse)) for column in weighted.T], axis=1)
     return sums / np.bincount(parent, fine.area, len(coarse))[:, None]

@@ -147,20 +147,22 @@ def subdivide(scene: Scene, patch_count: int | None = None, patch_size: float | 
     >>> len(rad.subdivide(rad.scenes.furnace(), patch_count=600))
     600
     """
-    faces = source_faces(scene)
+    return cut(scene, grid_of(source_faces(scene), patch_count, patch_size))
+
+
+def grid_of(faces: Faces, patch_count: int | None = None, patch_size: float | None = None) -> Grid:
+    """How `subdivide` cuts faces."""
     columns, rows = _steps(faces, patch_count, patch_size)
+    return grid_with(faces, columns, rows)
+
+
+def grid_with(faces: Faces, columns: IntArray, rows: IntArray) -> Grid:
+    """The grid of so many columns and rows on each face (F,), sides numbered one after the other."""
     sides = 1 + faces.two_sided
-    cells = columns * rows
-    ends = np.cumsum(cells * sides)
-    front = ends - cells * sides
-    grid = Grid(
-        faces,
-        columns.astype(np.int32),
-        rows.astype(np.int32),
-        front.astype(np.int32),
-        np.where(faces.two_sided, front + cells, -1).astype(np.int32),
-    )
-    return cut(scene, grid)
+    cells = columns.astype(np.int64) * rows
+    front = np.cumsum(cells * sides) - cells * sides
+    back = np.where(faces.two_sided, front + cells, -1)
+    return Grid(faces, *(array.astype(np.int32) for array in (columns, rows, front, back)))
 
 
 def _steps(faces: Faces, patch_count: int | None, patch_size: float | None) -> tuple[IntArray, IntArray]:
@@ -176,7 +178,7 @@ def _steps(faces: Faces, patch_count: int | None, patch_size: float | None) -> t
                 f"the scene has {sides} faces (two-sided ones count twice), more than patch_count {patch_count}: "
                 "they are kept as they are",
                 GeometryWarning,
-                stacklevel=3,
+                stacklevel=4,
             )
         if sides >= patch_count:
             return np.ones(len(faces), dtype=np.int64), np.ones(len(faces), dtype=np.int64)

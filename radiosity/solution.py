@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -175,9 +175,20 @@ class Solution:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """How wrong the light can be, as far as form factors and algebra go; computed when it is first asked for."""
+        """How wrong the light can be, as far as form factors and algebra go; computed when it is first asked for.
+
+        Of a solution to a stated accuracy: judged by that. One standard error has then to fit in, as what was asked for
+        is a root mean square, too; and where the estimate of the whole error is larger, that is a doubt of its own.
+        """
         T = TransportOperator(self.lit_factors, self.patches)
-        return certify(T, self.emission, self.radiosity, self.sky)
+        asked = self.settings.get("accuracy")
+        if asked is None:
+            return certify(T, self.emission, self.radiosity, self.sky)
+        found = certify(T, self.emission, self.radiosity, self.sky, accuracy=asked, standard_errors=1.0)
+        if self.accuracy is None or self.accuracy.reached or found.verdict == "refused":
+            return found
+        doubt = f"the error with that of the patches is about {self.accuracy.total:.2g}: more than was asked for"
+        return replace(found, verdict="uncertified", reasons=(*found.reasons, doubt))
 
     def relight(
         self,

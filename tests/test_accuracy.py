@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.accuracy import Trial, _even
+from radiosity.accuracy import Trial
+from radiosity.accuracy.search import _even
 from radiosity.errors import AccuracyWarning, ParameterError
 from radiosity.nested import means, refined
 
@@ -67,6 +68,25 @@ def test_patches_that_were_asked_for_are_kept():
     assert coarse.accuracy.discretisation > 0.01
 
 
+@pytest.mark.parametrize("target", [0.08, 0.02])
+def test_the_certificate_judges_by_what_was_asked(target):
+    """A solution that has its 8 % is certified to 8 %, and would not be to 1 %."""
+    solution = rad.solve(rad.scenes.red_rug(), accuracy=target)
+    certificate = solution.certificate
+    assert (certificate.accuracy, certificate.verdict) == (target, "certified")
+    assert f"certified to {100 * target:g} %: " in str(solution)
+    T = rad.TransportOperator(solution.factors, solution.patches)
+    strict = rad.certify(T, solution.emission, solution.radiosity, accuracy=0.9 * certificate.sampling)
+    assert strict.verdict == "uncertified"
+
+
+def test_an_accuracy_that_is_missed_is_not_certified():
+    with pytest.warns(AccuracyWarning):
+        solution = rad.solve(rad.scenes.hidden_lamp(), accuracy=0.01, patch_size=10.0)
+    assert solution.certificate.verdict == "uncertified"
+    assert f"that of the patches is about {solution.accuracy.total:.2g}" in solution.certificate.reasons[-1]
+
+
 def test_the_same_seed_gives_the_same_bits():
     one, two = (rad.solve(rad.scenes.red_rug(), accuracy=0.05, threads=threads) for threads in (1, 2))
     assert one.radiosity.tobytes() == two.radiosity.tobytes()
@@ -120,7 +140,7 @@ def test_errors_add_up_in_squares_but_for_what_is_left_out():
 
 
 def test_numbers_of_rays_suit_the_sequence():
-    assert [_even(n) for n in (1, 5, 7, 25, 33, 97)] == [2, 6, 8, 32, 48, 128]
+    assert [_even(n) for n in (1, 5, 7, 25, 33, 97)] == [16, 16, 16, 32, 40, 104]
 
 
 @pytest.mark.long

@@ -17,7 +17,7 @@ def test_fine_patches_tile_their_parents(factor, seed):
     scene = soup(seed)
     coarse = rad.subdivide(scene, patch_count=150)
     fine = refined(scene, coarse, factor)
-    parent = parents(fine, coarse)
+    parent = parents(fine, coarse.grid)
 
     assert len(fine) == factor**2 * len(coarse)
     assert (np.bincount(parent, minlength=len(coarse)) == factor**2).all()

@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 Verdict = Literal["certified", "uncertified", "refused"]
 
 ACCURACY = 0.01  # what a solution is certified to unless said otherwise
+STANDARD_ERRORS = 2.0  # of the sampling, that must fit in, unless said otherwise
 LEAK_LIMIT = 0.1  # of the smallest absorptance in a lit closed enclosure, Eq. (25)
 SIGMAS = 5.0
 ROUNDING = 1e-12  # of an energy balance
@@ -35,8 +36,8 @@ class Certificate:
     Attributes
     ----------
     verdict : {"certified", "uncertified", "refused"}
-        Certified: the bound on the algebra and two standard errors of the sampling are together within
-        `accuracy`, and nothing else is wrong.
+        Certified: the bound on the algebra and two standard errors of the sampling (or as many as were asked for) are
+        together within `accuracy`, and nothing else is wrong.
     reasons : tuple of str
         Why not, each with what to do.
     accuracy : float
@@ -95,6 +96,7 @@ def certify(
     sky: ArrayLike | None = None,
     *,
     accuracy: float = ACCURACY,
+    standard_errors: float = STANDARD_ERRORS,
     solver: Solver | None = None,
 ) -> Certificate:
     """Say how wrong a radiosity can be, whatever computed it.
@@ -108,6 +110,8 @@ def certify(
         Radiance of the surroundings, W/(m² sr).
     accuracy : float
         What is to be certified, relative.
+    standard_errors : float
+        How many of the sampling must fit into the accuracy beside the algebra.
     solver : Solver, optional
         For the replicates; by default `Neumann`, and `ConjugateGradient` where that would be slow.
 
@@ -138,7 +142,7 @@ def certify(
     algebra = error_bound(T, source, B, E) if finite else _no_bound(B)
     evidence = _evidence(T, E, np.where(np.isfinite(B), B, 0.0), source, sky, solver)
     refusals = list(_refusals(T, source, B, algebra, evidence))
-    doubts = [] if refusals else list(_doubts(algebra, evidence, accuracy))
+    doubts = [] if refusals else list(_doubts(algebra, evidence, accuracy, standard_errors))
     verdict: Verdict = "refused" if refusals else "uncertified" if doubts else "certified"
     return Certificate(
         verdict=verdict,
@@ -244,9 +248,9 @@ def _leak_refusal(T: TransportOperator, source: FloatArray, leaks: float) -> Ite
             )
 
 
-def _doubts(algebra: ErrorBound, evidence: _Evidence, accuracy: float) -> Iterator[str]:
+def _doubts(algebra: ErrorBound, evidence: _Evidence, accuracy: float, standard_errors: float) -> Iterator[str]:
     """Why the accuracy is not certified, and what would."""
-    sampling = 2.0 * (evidence.sampling or 0.0)
+    sampling = standard_errors * (evidence.sampling or 0.0)
     if algebra.relative + sampling > accuracy:
         if algebra.relative >= sampling:
             yield (

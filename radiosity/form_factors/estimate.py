@@ -143,11 +143,7 @@ def form_factors(
     factors = _with_replicates(runs, patches, estimator, kind, threads)
     seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
     factors.statistics.update(_counters(factors, estimator, rows), **seconds)
-    left_out = None if rows is None else rows.left_out
-    if left_out is not None:
-        runs_without = tuple(replace(run, left_out=left_out) for run in factors.replicates)
-        return replace(factors, left_out=left_out, replicates=runs_without)
-    return factors
+    return factors if rows is None else _leaving_out(factors, rows)
 
 
 def completed(
@@ -184,6 +180,71 @@ def completed(
     more = form_factors(patches, estimator, dtype=kind, threads=threads, rows=choice, tracer=tracer)
     still = factors.left_out & ~wanted
     return _joined(factors, more, wanted, still if still.any() else None)
+
+
+def more_replicates(
+    factors: FormFactors,
+    patches: Patches,
+    estimator: MonteCarlo,
+    *,
+    threads: int | None = None,
+    memory_limit: float | None = None,
+    progress: Progress | None = None,
+    rows: RowChoice | None = None,
+    tracer: Tracer | None = None,
+) -> FormFactors:
+    """Factors with further replicates: to the last bit those of a `form_factors` with `estimator`, which has more.
+
+    Parameters
+    ----------
+    factors : FormFactors
+        Of the same patches by an estimator with fewer replicates of as many rays each.
+    patches, estimator, threads, memory_limit, progress, rows, tracer
+        As of `form_factors`.
+
+    Raises
+    ------
+    ParameterError
+        An estimator whose replicates are others, or no more.
+    MemoryLimitError
+    """
+    before = factors.estimator
+    if not isinstance(before, MonteCarlo) or estimator.replicates <= len(factors.replicates):
+        raise ParameterError(f"{estimator} has no more replicates than {before}")
+    if _one_replicate(before) != _one_replicate(estimator):
+        raise ParameterError(f"{estimator} has replicates that are not those of {before}")
+    begin = time.perf_counter()
+    tracer = Tracer(patches.grid) if tracer is None else tracer
+    made = len(factors.replicates)
+    makers: list[Any] = [estimator.rows(patches, tracer, replicate) for replicate in range(made, estimator.replicates)]
+    kind = factors.matrix.dtype.type
+    check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
+    makers = makers if rows is None else [SomeRows(maker, rows) for maker in makers]
+    tell = progress or quiet
+    new = [
+        _assemble(RowsToMake(patches, estimator, maker, made + k, kind, "", threads), None, tell)
+        for k, maker in enumerate(makers)
+    ]
+    old = [
+        Rows(run.matrix, run.to_sky, run.to_backs, run.statistics["rays/to emitters"], run.exact_columns)
+        for run in factors.replicates
+    ]
+    whole = _with_replicates([*old, *new], patches, estimator, kind, threads)
+    whole.statistics.update(_counters(whole, estimator, rows), **{"seconds/form factors": time.perf_counter() - begin})
+    return whole if rows is None else _leaving_out(whole, rows)
+
+
+def _one_replicate(method: MonteCarlo) -> tuple[Any, ...]:
+    """What the bits of a replicate depend on."""
+    return method.seed, method.sampling, method.rays // method.replicates, method.light_rays // method.replicates
+
+
+def _leaving_out(factors: FormFactors, rows: RowChoice) -> FormFactors:
+    """Factors that say which rows they lack, and so do their replicates."""
+    if rows.left_out is None:
+        return factors
+    runs = tuple(replace(run, left_out=rows.left_out) for run in factors.replicates)
+    return replace(factors, left_out=rows.left_out, replicates=runs)
 
 
 def _joined(

@@ -49,12 +49,18 @@ class Channels:
         """The result in all channels."""
         if not self.spared:
             return result
-        orders = None if result.orders is None else self._spread(result.orders)
+        orders = None if result.orders is None else self.spread_light(result.orders)
         return replace(
-            result, radiosity=self._spread(result.radiosity), orders=orders, history=self._spread(result.history)
+            result,
+            radiosity=self.spread_light(result.radiosity),
+            orders=orders,
+            history=self.spread_light(result.history),
         )
 
-    def _spread(self, light: FloatArray) -> FloatArray:
+    def spread_light(self, light: FloatArray) -> FloatArray:
+        """Light (…, S) of the channels that are solved, in all channels (…, C)."""
+        if not self.spared:
+            return light
         return np.ascontiguousarray(light[..., self.source] * self.scale)
 
 

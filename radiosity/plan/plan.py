@@ -124,6 +124,11 @@ class Plan:
         """What is left out."""
         return tuple(item for item in self.items if item.left_out)
 
+    @property
+    def needed_rows(self) -> RowChoice | None:
+        """`rows`, where not all are made; else None."""
+        return self.rows if self.rows.left_out is not None or self.rows.open.any() else None
+
     def with_item(self, item: Item) -> Plan:
         """The plan with what is known better by now."""
         return replace(self, items=tuple(item if old.name == item.name else old for old in self.items))

@@ -56,7 +56,9 @@ class Light(NamedTuple):
     plan: Plan
 
 
-def light(plan: Plan, bounces: int | None = None, work: Work | None = None) -> Light:
+def light(
+    plan: Plan, bounces: int | None = None, work: Work | None = None, factors: FormFactors | None = None
+) -> Light:
     """Form factors and light of a plan's patches.
 
     Parameters
@@ -65,6 +67,8 @@ def light(plan: Plan, bounces: int | None = None, work: Work | None = None) -> L
     bounces : int, optional
         Where the series is cut.
     work : Work, optional
+    factors : FormFactors, optional
+        Of the plan's estimator, raw, if there are such already.
 
     Returns
     -------
@@ -74,18 +78,19 @@ def light(plan: Plan, bounces: int | None = None, work: Work | None = None) -> L
     work = Work() if work is None else work
     if isinstance(plan.solver, Neumann):
         BOUNCES.begin()
-    factors = form_factors(
-        plan.patches,
-        plan.estimator,
-        dtype=plan.dtype,
-        threads=work.threads,
-        executor=work.executor,
-        checkpoint=work.checkpoint,
-        memory_limit=work.memory_limit,
-        progress=work.tell,
-        rows=plan.rows if plan.rows.left_out is not None or plan.rows.open.any() else None,
-        tracer=tracer_of(plan),
-    )
+    if factors is None:
+        factors = form_factors(
+            plan.patches,
+            plan.estimator,
+            dtype=plan.dtype,
+            threads=work.threads,
+            executor=work.executor,
+            checkpoint=work.checkpoint,
+            memory_limit=work.memory_limit,
+            progress=work.tell,
+            rows=plan.needed_rows,
+            tracer=tracer_of(plan),
+        )
     factors, plan = _accelerated(factors, plan, bounces, work)
     patches = plan.channels.of(plan.patches)
     result = run(plan.solver, TransportOperator(factors, patches, threads=work.threads), patches, bounces, work.tell)
