@@ -9,9 +9,10 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from vtkmodules.util.numpy_support import numpy_to_vtk
 
 from ..camera import Camera
-from .mesh import corner_weights, flat_mesh, smooth_mesh
+from .mesh import corner_weights, patch_mesh
 from .state import Pane, Series, ViewState, coloured, picture
 
 if TYPE_CHECKING:
@@ -23,10 +24,13 @@ EDGE_COLOUR = "#8a93a0"
 
 
 class Drawing:
-    """The patches of one solution in one pane: flat and smooth meshes, and the backs of the faces.
+    """The patches of one solution in one pane, and the backs of the faces.
 
     Faces that look away are left out (one-sided walls are black from behind, and would hide the room), which makes a
     closed room a doll's house when it is seen from outside.
+
+    Every patch has corners of its own, and the colours are theirs: a flat patch has four times the same. Without a
+    graphics card that is a fifth quicker than a colour for each cell, which VTK looks up again for every pixel.
 
     Parameters
     ----------
@@ -34,6 +38,11 @@ class Drawing:
         Drawing goes to its active renderer.
     patches : Patches
     pane : {"order", "sum"}
+
+    Attributes
+    ----------
+    colours : ndarray of uint8 (N, 4, 3)
+        What is drawn, at the corners of each patch; VTK reads this memory.
     """
 
     def __init__(self, plotter: pv.Plotter, patches: Patches, pane: Pane) -> None:
@@ -42,24 +51,23 @@ class Drawing:
         self.plotter = plotter
         self.renderer = plotter.renderer
         self.renderer.SetBackground(pv.Color(BACKGROUND).float_rgb)
-        self.flat = flat_mesh(patches)
-        self.flat_actor = self._actor(self.flat, points=False)
-
-    def _actor(self, mesh: pv.PolyData, *, points: bool) -> pv.Actor:
-        """A mesh in the plain colours that its array "rgb" of points or cells holds."""
-        actor = pv.Actor(mapper=_colour_mapper(mesh, points=points), prop=_flat_property("back"))
-        return self.renderer.add_actor(actor, reset_camera=False, render=False)[0]
+        self.mesh = patch_mesh(patches)
+        self.colours = np.zeros((len(patches), 4, 3), dtype=np.uint8)
+        self._stored = numpy_to_vtk(self.colours.reshape(-1, 3))
+        self._stored.SetName("rgb")
+        self.mesh.GetPointData().AddArray(self._stored)
+        actor = pv.Actor(mapper=_colour_mapper(self.mesh), prop=_flat_property("back"))
+        self.actor = self.renderer.add_actor(actor, reset_camera=False, render=False)[0]
 
     @functools.cached_property
-    def smooth(self) -> tuple[pv.PolyData, pv.Actor, csr_array]:
-        """Mesh, actor and weights of the smooth view, made when it is first asked for."""
-        mesh = smooth_mesh(self.patches)
-        return mesh, self._actor(mesh, points=True), corner_weights(self.patches).astype(np.float32)
+    def weights(self) -> csr_array:
+        """From the light of patches to that of their corners in the smooth view, worked out when it is asked for."""
+        return corner_weights(self.patches).astype(np.float32)
 
     @functools.cached_property
     def backs(self) -> pv.Actor:
         """The same faces seen from behind, in a signal colour."""
-        mapper = pv.DataSetMapper(self.flat)
+        mapper = pv.DataSetMapper(self.mesh)
         mapper.scalar_visibility = False
         prop = _flat_property("front")
         prop.color = BACK_COLOUR
@@ -75,27 +83,22 @@ class Drawing:
         colours : ndarray of uint8 (N, 3), optional
             Shown instead of the picture of the state.
         """
-        smooth = state.smooth and colours is None
-        if smooth:
-            mesh, _, weights = self.smooth
-            mesh.point_data["rgb"] = coloured(series, state, self.pane, weights @ series.light(state, self.pane))
+        if state.smooth and colours is None:
+            light = self.weights @ series.light(state, self.pane)
+            self.colours[...] = coloured(series, state, self.pane, light).reshape(self.colours.shape)
         else:
-            self.flat.cell_data["rgb"] = picture(series, state, self.pane) if colours is None else colours
-        self.flat_actor.visibility = not smooth
-        self.flat_actor.prop.show_edges = state.wireframe
-        if "smooth" in self.__dict__:
-            self.smooth[1].visibility = smooth
-            self.smooth[1].prop.show_edges = state.wireframe
+            self.colours[...] = (picture(series, state, self.pane) if colours is None else colours)[:, None]
+        self._stored.Modified()
+        self.actor.visibility = True
+        self.actor.prop.show_edges = state.wireframe
         if state.backs or "backs" in self.__dict__:
             self.backs.visibility = state.backs
 
     def hide(self) -> None:
         """Leave the pane to something else, until `draw` is called again."""
-        for actor in (self.flat_actor, self.__dict__.get("backs")):
+        for actor in (self.actor, self.__dict__.get("backs")):
             if actor is not None:
                 actor.visibility = False
-        if "smooth" in self.__dict__:
-            self.smooth[1].visibility = False
 
     def look(self, camera: Camera) -> None:
         """Put the camera of the pane to a preset."""
@@ -114,10 +117,10 @@ def place(renderer: pv.Renderer, camera: Camera) -> None:
     renderer.ResetCameraClippingRange()
 
 
-def _colour_mapper(mesh: pv.PolyData, *, points: bool) -> pv.DataSetMapper:
-    """Takes the bytes of "rgb" as they are."""
+def _colour_mapper(mesh: pv.PolyData) -> pv.DataSetMapper:
+    """Takes the bytes of "rgb", of points, as they are."""
     mapper = pv.DataSetMapper(mesh)
-    mapper.SetScalarModeToUsePointFieldData() if points else mapper.SetScalarModeToUseCellFieldData()
+    mapper.SetScalarModeToUsePointFieldData()
     mapper.SelectColorArray("rgb")
     mapper.SetColorModeToDirectScalars()
     mapper.scalar_visibility = True

@@ -1,4 +1,4 @@
-"""Patches as meshes that VTK draws: flat, one cell a patch; smooth, interpolated between patches."""
+"""Patches as a mesh that VTK draws, and their light at its corners for the smooth view."""
 
 from __future__ import annotations
 
@@ -24,13 +24,8 @@ def cells(faces: NDArray[np.integer]) -> NDArray[np.int64]:
     return table[np.arange(5) <= corners[:, None]]
 
 
-def flat_mesh(patches: Patches) -> pv.PolyData:
-    """Mesh whose cell i is patch i."""
-    return pv.PolyData(np.asarray(patches.vertices, dtype=np.float64), faces=cells(patches.faces))
-
-
-def smooth_mesh(patches: Patches) -> pv.PolyData:
-    """Mesh whose points 4 i … 4 i + 3 are the corners of patch i, so that colours may differ across a crease."""
+def patch_mesh(patches: Patches) -> pv.PolyData:
+    """Mesh whose cell i is patch i, and whose points 4 i … 4 i + 3 are its corners: nothing is shared."""
     count = len(patches)
     faces = np.arange(4 * count).reshape(count, 4)
     faces[patches.faces[:, 3] < 0, 3] = -1

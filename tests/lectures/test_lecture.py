@@ -196,7 +196,7 @@ def test_the_window_goes_from_scene_to_scene(solution: rad.Solution) -> None:
     seen = []
     for key in ("", "Next", "Next", "Next", "Prior", "Prior", "Prior"):
         window.press(key)
-        picture = window.panes["order"].flat.cell_data["rgb"].copy()
+        picture = window.panes["order"].colours[:, 0].copy()
         seen.append((len(window.solution.patches), window.state.order, window.inspector.raster.actor.GetVisibility()))
         if window.place.number == 2:
             light = solution.orders[:3].sum(axis=0) / 4 * window.series.factor(window.state, "sum")

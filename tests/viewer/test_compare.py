@@ -27,7 +27,7 @@ def test_every_shortcut_beside_the_truth(window: Window, solution: rad.Solution)
         assert (state.left, state.wrong, state.order) == ("wrong", number, state.last)
         wrong = shortcut.radiosity(solution.patches, solution.factors, solution.radiosity)
         expected = coloured(window.series, state, "sum", wrong.astype(np.float32))
-        assert np.array_equal(window.panes["order"].flat.cell_data["rgb"], expected)
+        assert np.array_equal(window.panes["order"].colours[:, 0], expected)
         assert window.titles["order"][0].actor.GetInput() == "WRONG"
         assert window.titles["order"][1].actor.GetInput() == shortcut.name
         said = window.dashboard.status.actor.GetInput()
@@ -47,7 +47,7 @@ def test_difference_is_relative_to_the_truth(window: Window, solution: rad.Solut
     off = window.inspector.compare.difference(0)
     np.testing.assert_allclose(off, direct / truth - 1, atol=1e-5)
     ceiling = solution.patches.surface == solution.patches.surface_names.index("ceiling")
-    shown = window.panes["order"].flat.cell_data["rgb"]
+    shown = window.panes["order"].colours[:, 0]
     assert np.all(shown[ceiling] == display.DIVERGING[0])  # black instead of lit: 100 % too dark
     typical = np.sum(solution.patches.area * np.abs(off)) / solution.patches.area.sum()
     assert f"off by {typical:.0%} on average" in window.dashboard.status.actor.GetInput()

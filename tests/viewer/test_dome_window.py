@@ -40,10 +40,10 @@ def test_the_dome_takes_the_left_pane_and_gives_it_back(window: Window) -> None:
     dome = window.inspector.dome
     left, right = (window.panes[pane].renderer for pane in ("order", "sum"))
     assert left.camera is dome.camera
-    assert not window.panes["order"].flat_actor.visibility
+    assert not window.panes["order"].actor.visibility
     window.press("o")
     assert left.camera is right.camera
-    assert window.panes["order"].flat_actor.visibility
+    assert window.panes["order"].actor.visibility
     assert not any(actor.visibility for actor in dome.actors)
     window.press("o")
     assert left.camera is dome.camera
@@ -156,7 +156,7 @@ def test_the_solvers_take_both_panes(window: Window) -> None:
     frame = window.inspector.race.frame
     assert frame.rows == 12
     for pane, light in (("order", frame.gathered), ("sum", frame.shot)):
-        shown = window.panes[pane].flat.cell_data["rgb"]
+        shown = window.panes[pane].colours[:, 0]
         assert np.array_equal(shown, coloured(window.series, window.state, "sum", light.astype(np.float32)))
     assert [window.titles[pane][0].actor.GetInput() for pane in ("order", "sum")] == ["gathering", "shooting"]
     assert f"unshot power {frame.unshot_power:.3g} W" in said(window)

@@ -257,7 +257,7 @@ def test_the_left_pane_shows_factors_hemicube_and_matrix(window: Window) -> None
     assert np.array_equal(images[-1], images[0])
     window.press("g")
     row = window.model.hemicube(window.state.picked).row(len(window.solution.patches))
-    assert np.array_equal(window.panes["order"].flat.cell_data["rgb"], factor_colours(row)[0])
+    assert np.array_equal(window.panes["order"].colours[:, 0], factor_colours(row)[0])
     assert not window.bars["sum"].strip.actor.GetVisibility()
     assert window.bars["order"].strip.actor.GetVisibility()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.viewer.mesh import corner_points, corner_weights, flat_mesh, smooth_mesh
+from radiosity.viewer.mesh import corner_points, corner_weights, patch_mesh
 
 
 @pytest.fixture(scope="module")
@@ -18,8 +18,8 @@ def mixed() -> rad.Patches:
 
 
 def test_cell_is_patch(mixed: rad.Patches) -> None:
-    mesh = flat_mesh(mixed)
-    assert mesh.n_cells == len(mixed)
+    mesh = patch_mesh(mixed)
+    assert (mesh.n_cells, mesh.n_points) == (len(mixed), 4 * len(mixed))
     np.testing.assert_allclose(mesh.compute_cell_sizes(length=False, volume=False)["Area"], mixed.area, rtol=1e-6)
     np.testing.assert_allclose(
         mesh.compute_normals(flip_normals=False, consistent_normals=False)["Normals"].shape[1], 3
@@ -27,12 +27,6 @@ def test_cell_is_patch(mixed: rad.Patches) -> None:
     for i in range(len(mixed)):
         points = corner_points(mixed)[i][: mesh.get_cell(i).n_points]
         np.testing.assert_allclose(mesh.get_cell(i).points, points)
-
-
-def test_smooth_mesh_has_four_points_a_patch(mixed: rad.Patches) -> None:
-    mesh = smooth_mesh(mixed)
-    assert mesh.n_points == 4 * len(mixed)
-    np.testing.assert_allclose(mesh.compute_cell_sizes(length=False, volume=False)["Area"], mixed.area, rtol=1e-6)
 
 
 def test_corners_blend_within_a_surface_and_not_across_a_crease(mixed: rad.Patches) -> None:

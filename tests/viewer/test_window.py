@@ -60,7 +60,7 @@ def test_keys_of_vtk_are_off(window: Window) -> None:
     for key in "wsp3jfr":
         press(window, key, key)
         press(window, key, key)
-    assert window.panes["sum"].flat_actor.prop.style == "Surface"
+    assert window.panes["sum"].actor.prop.style == "Surface"
     assert not window.plotter.render_window.GetStereoRender()
     assert type(window.plotter.iren.interactor.GetInteractorStyle()) is style
     assert window.state.preset == 0
@@ -69,11 +69,31 @@ def test_keys_of_vtk_are_off(window: Window) -> None:
 def test_both_panes_show_the_state(window: Window) -> None:
     press(window, "Right")
     for pane, drawing in window.panes.items():
-        assert np.array_equal(drawing.flat.cell_data["rgb"], picture(window.series, window.state, pane))
+        assert np.array_equal(drawing.colours[:, 0], picture(window.series, window.state, pane))
     assert [words[0].actor.GetInput() for words in window.titles.values()] == ["T² Lₑ", "Σ₀…₂ Tʲ Lₑ"]
     assert "×" not in window.titles["order"][1].actor.GetInput()
     press(window, "n")
     assert window.titles["order"][1].actor.GetInput().startswith("×")
+
+
+def test_every_step_reaches_the_screen(solution: rad.Solution) -> None:
+    """Pixels over the whole of both panes, after each of some steps, have the colours of the patches they show."""
+    window = Window(solution, off_screen=True, size=(640, 400), order=1)
+    window.plotter.render_window.SetMultiSamples(0)
+    pixels = [(x, y) for x in range(20, 640, 30) for y in range(100, 360, 20)]
+    seen = {pixel: window.inspector.patch_at(*pixel) for pixel in pixels}
+    assert sum(patch >= 0 for patch in seen.values()) > 100
+    for key in ("Right", "Up", "n", "t", "Left"):
+        window.press(key)
+        image = window.image()
+        shown = {pane: picture(window.series, window.state, pane).astype(int) for pane in window.panes}
+        off = [
+            np.abs(image[-1 - y, x] - shown["order" if x < 320 else "sum"][patch]).max()
+            for (x, y), patch in seen.items()
+            if patch >= 0
+        ]
+        assert np.mean(np.array(off) <= 1) > 0.97, (key, off)  # a ray and a pixel may differ at an edge
+    window.close()
 
 
 def test_sliders_act_while_they_are_dragged(window: Window) -> None:

@@ -1,9 +1,10 @@
 // WebGL2: every patch looks its light up in a texture, one for each pane, filled anew when the light changes.
+//
+// Where the processor does the drawing, corners of patches take the time. So a view that is shown again in other light
+// is not drawn again: the number of the patch in each pixel is kept, and each pixel looks its light up.
 
-const VERTEX = `#version 300 es
+const COLOURS = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D;
-layout(location = 0) in vec3 position;
-uniform mat4 camera;
 uniform sampler2D light;
 uniform int tone;              // see TONES
 uniform float factor;
@@ -13,31 +14,53 @@ VARYING out vec3 colour;
 vec3 encode(vec3 x) {
   return mix(1.055 * pow(max(x, 0.0031308), vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308)));
 }
-void main() {
-  gl_Position = camera * vec4(position, 1.0);
-  int patch_ = gl_VertexID / 4, at = PLACE;
-  if (tone == 4) { colour = vec3(patch_ & 255, (patch_ >> 8) & 255, (patch_ >> 16) & 255) / 255.0; return; }
-  if (tone == 6 || tone == 7) { colour = vec3(tone - 6); return; }
-  if (tone == 8) { colour = vec3(1.0, 0.44, 0.26); return; }
+vec3 colourOf(int at) {
   vec3 x = texelFetch(light, ivec2(at % ${TEXTURE_WIDTH}, at / ${TEXTURE_WIDTH}), 0).rgb;
-  if (tone == 5) { colour = x; return; }
+  if (tone == 5) return x;
   if (tone == 3) {
     float place = (log(max(dot(x, vec3(0.2126, 0.7152, 0.0722)), 1e-30)) - scale.x) / (scale.y - scale.x) * 16.0;
     place = clamp(place, 0.0, 16.0);
     int stop = int(min(floor(place), 15.0));
-    colour = mix(scaleColours[stop], scaleColours[stop + 1], place - float(stop));
-    return;
+    return mix(scaleColours[stop], scaleColours[stop + 1], place - float(stop));
   }
   x *= factor;
-  bool over = any(greaterThan(x, vec3(1.0)));
-  colour = encode(tone == 0 ? x / (1.0 + x) : min(x, 1.0));
-  if (tone == 2 && over) colour = vec3(1.0, 0.0, 1.0);
+  if (tone == 2 && any(greaterThan(x, vec3(1.0)))) return vec3(1.0, 0.0, 1.0);
+  return encode(tone == 0 ? x / (1.0 + x) : min(x, 1.0));
+}
+`;
+const VERTEX = `${COLOURS}
+layout(location = 0) in vec3 position;
+uniform mat4 camera;
+VARYING out vec3 colour;
+void main() {
+  gl_Position = camera * vec4(position, 1.0);
+  int patch_ = gl_VertexID / 4;
+  if (tone == 4) colour = vec3(patch_ & 255, (patch_ >> 8) & 255, (patch_ >> 16) & 255) / 255.0;
+  else if (tone == 6) colour = vec3(0.0);
+  else if (tone == 7) colour = vec3(254.0, 255.0, 255.0) / 255.0; // the number BLACK
+  else if (tone == 8) colour = vec3(1.0, 0.44, 0.26);
+  else colour = colourOf(PLACE);
 }`;
 const FRAGMENT = `#version 300 es
 precision highp float;
 VARYING in vec3 colour;
 out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }`;
+const [NOTHING, BLACK] = [0xffffff, 0xfffffe]; // in place of a patch's number
+const OVER_ALL = `#version 300 es
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
+const LOOK_UP = `${COLOURS}
+uniform sampler2D numbers, depths;
+uniform ivec2 corner;
+out vec4 pixel;
+void main() {
+  ivec2 here = ivec2(gl_FragCoord.xy) - corner;
+  ivec3 bytes = ivec3(texelFetch(numbers, here, 0).rgb * 255.0 + 0.5);
+  int patch_ = bytes.r | bytes.g << 8 | bytes.b << 16;
+  gl_FragDepth = texelFetch(depths, here, 0).r;
+  if (patch_ == ${NOTHING}) discard;
+  pixel = vec4(patch_ == ${BLACK} ? vec3(0.0) : colourOf(patch_), 1.0);
+}`;
 const TONES = { reinhard: 0, linear: 1, marked: 2, scale: 3, numbers: 4, plain: 5, black: 6, none: 7, outline: 8 };
 
 const minus = (a, b) => a.map((x, i) => x - b[i]);
@@ -98,11 +121,16 @@ class Painter {
     this.canvas = canvas;
     const variant = (varying, place) => this.link(...[VERTEX, FRAGMENT].map((text) => text.replace("VARYING", varying).replace("PLACE", place)));
     this.programs = [variant("flat", "patch_"), variant("", "gl_VertexID")];
-    for (const { program, place } of this.programs) {
+    this.lookUp = this.link(OVER_ALL, LOOK_UP);
+    for (const { program, place } of [...this.programs, this.lookUp]) {
       gl.useProgram(program);
       gl.uniform3fv(place.scaleColours, falseColours.flat().map((x) => x / 255));
+      gl.uniform1i(place.numbers, 1);
+      gl.uniform1i(place.depths, 2);
     }
     this.slots = {};
+    this.views = new Map(); // what was drawn last: the numbers of its patches, if it was drawn more than once
+    this.smoothed = gl.getContextAttributes().antialias; // then a pixel at an edge is no single patch's
     [this.cornerBuffer, this.loopBuffer] = [gl.createBuffer(), gl.createBuffer()];
     gl.enableVertexAttribArray(0);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
@@ -122,7 +150,7 @@ class Painter {
     });
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-    const names = ["camera", "tone", "factor", "scale", "scaleColours"];
+    const names = ["camera", "tone", "factor", "scale", "scaleColours", "numbers", "depths", "corner"];
     return { program, place: Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)])) };
   }
 
@@ -133,6 +161,7 @@ class Painter {
     this.useCorners(this.cornerBuffer, scene.corners);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, index, gl.STATIC_DRAW);
     Object.assign(this, { corners: scene.corners, patches: N });
+    this.forget();
   }
 
   useCorners(buffer, corners) {
@@ -187,11 +216,7 @@ class Painter {
   // A pane is {slot, box: [left, bottom, width, height] in pixels, light, smooth, tone, factor, scale, sees}; `sees` is a
   // patch whose view is drawn instead of the camera's.
   drawPane(pane, camera, radius, tone = pane.tone) {
-    const gl = this.gl, { program, place } = this.programs[pane.smooth ? 1 : 0];
-    gl.useProgram(program);
-    gl.uniform1i(place.tone, tone);
-    gl.uniform1f(place.factor, pane.factor);
-    gl.uniform2f(place.scale, Math.log(pane.scale[0]), Math.log(pane.scale[1]));
+    const gl = this.gl, place = this.use(this.programs[pane.smooth ? 1 : 0], pane, tone);
     if (pane.sees === undefined) return this.triangles(camera, pane.box, pane.box, radius, place);
     const faces = this.faces(pane, radius);
     for (const { camera: from, view, cut } of faces) this.triangles(from, view, cut, radius, place);
@@ -205,6 +230,15 @@ class Painter {
     return undefined;
   }
 
+  use({ program, place }, pane, tone) {
+    const gl = this.gl;
+    gl.useProgram(program);
+    gl.uniform1i(place.tone, tone);
+    gl.uniform1f(place.factor, pane.factor);
+    gl.uniform2f(place.scale, Math.log(pane.scale[0]), Math.log(pane.scale[1]));
+    return place;
+  }
+
   // Up in the picture is up in the room, or on a level patch to the back.
   faces({ box, sees }, radius) {
     const normal = unit(crossOf(this.corners, sees)), top = [0, 1, -0.1];
@@ -213,24 +247,55 @@ class Painter {
   }
 
   draw(panes, camera, radius) {
+    const before = this.views, now = (this.views = new Map());
     this.clear([0, 0, this.canvas.width, this.canvas.height], BACKGROUND);
     for (const pane of panes) {
       if (!pane.light) continue;
       this.bindLight(pane.slot, pane.light);
-      this.drawPane(pane, camera, radius);
+      const key = this.keyOf(pane, camera, radius), again = before.has(key) && !pane.smooth && !this.smoothed;
+      if (!now.has(key)) now.set(key, before.get(key));
+      if (again) this.lookUpPane(pane, now.get(key) || this.numbersOf(pane, camera, radius));
+      else this.drawPane(pane, camera, radius);
     }
+    for (const [key, view] of before) if (!now.has(key)) this.free(view);
   }
 
-  // Which patch each pixel of a rectangle in a pane shows (from the lower left, by rows); -1 for none. Drawn apart, in
-  // patch numbers.
+  // What a pane shows of the scene, whatever the light.
+  keyOf({ box, sees }, camera, radius) {
+    return [box[2], box[3], sees ?? cameraMatrix(camera, box[2], box[3], radius).join()].join();
+  }
+
+  lookUpPane(pane, { numbers, depths }) {
+    const gl = this.gl, place = this.use(this.lookUp, pane, pane.tone);
+    gl.uniform2i(place.corner, pane.box[0], pane.box[1]);
+    for (const [unit, texture] of [[gl.TEXTURE1, numbers], [gl.TEXTURE2, depths], [gl.TEXTURE0, this.slots[pane.slot].texture]]) {
+      gl.activeTexture(unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+    }
+    gl.viewport(...pane.box);
+    gl.scissor(...pane.box);
+    gl.depthFunc(gl.ALWAYS);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.depthFunc(gl.LESS);
+  }
+
+  // The numbers of the patches that a pane shows, and their depths, as textures of its size. Drawn once for each view.
+  numbersOf(pane, camera, radius) {
+    const gl = this.gl, key = this.keyOf(pane, camera, radius), [, , width, height] = pane.box;
+    if (this.views.get(key)) return this.views.get(key);
+    const view = this.makeView(width, height), { sees } = pane, box = [0, 0, width, height];
+    this.clear(box, [1, 1, 1]);
+    this.drawPane({ ...pane, box, sees, smooth: false }, camera, radius, TONES.numbers);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    this.views.set(key, view);
+    return view;
+  }
+
+  // Which patch each pixel of a rectangle in a pane shows (from the lower left, by rows); -1 for none.
   patchesAt(pane, camera, radius, [x, y, columns, rows]) {
-    const gl = this.gl, { width, height } = this.canvas;
-    if (!this.target || this.target.width !== width || this.target.height !== height) this.makeTarget(width, height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target.frame);
-    this.clear(pane.box, [1, 1, 1]);
-    this.drawPane({ ...pane, smooth: false }, camera, radius, TONES.numbers);
-    const pixels = new Uint8Array(4 * columns * rows);
-    gl.readPixels(x, y, columns, rows, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    const gl = this.gl, view = this.numbersOf(pane, camera, radius), pixels = new Uint8Array(4 * columns * rows);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, view.frame);
+    gl.readPixels(x - pane.box[0], y - pane.box[1], columns, rows, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return Int32Array.from({ length: columns * rows }, (_, i) => {
       const patch = pixels[4 * i] + 256 * pixels[4 * i + 1] + 65536 * pixels[4 * i + 2];
@@ -238,16 +303,27 @@ class Painter {
     });
   }
 
-  makeTarget(width, height) {
-    const gl = this.gl, frame = gl.createFramebuffer();
+  makeView(width, height) {
+    const gl = this.gl, frame = gl.createFramebuffer(), [numbers, depths] = [gl.createTexture(), gl.createTexture()];
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    for (const [format, attachment] of [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]]) {
-      const store = gl.createRenderbuffer();
-      gl.bindRenderbuffer(gl.RENDERBUFFER, store);
-      gl.renderbufferStorage(gl.RENDERBUFFER, format, width, height);
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, attachment, gl.RENDERBUFFER, store);
+    for (const [texture, format, attachment] of [[numbers, gl.RGBA8, gl.COLOR_ATTACHMENT0], [depths, gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]]) {
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, attachment, gl.TEXTURE_2D, texture, 0);
     }
-    this.target = { frame, width, height };
+    return { frame, numbers, depths };
+  }
+
+  free(view) {
+    if (!view) return;
+    this.gl.deleteFramebuffer(view.frame);
+    for (const texture of [view.numbers, view.depths]) this.gl.deleteTexture(texture);
+  }
+
+  forget() {
+    for (const view of this.views.values()) this.free(view);
+    this.views.clear();
   }
 }
 const BACKGROUND = [0x26 / 255, 0x2b / 255, 0x33 / 255];
