@@ -15,6 +15,8 @@ from ..progress import Progress
 if TYPE_CHECKING:
     from rich.console import Console
 
+NO_WINDOW = 3  # exit code: what was asked for as a window has been written instead
+
 
 class Screen:
     """The terminal.

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import arguments
-from .console import Screen
+from .console import NO_WINDOW, Screen
+
+if TYPE_CHECKING:
+    from ..lectures import Talk
 
 HELP = "give a lecture in the viewer, step by step, or write it as a page or as pictures"
 EXAMPLES = """\
@@ -16,6 +20,8 @@ examples:
   radiosity lecture cornell -o cornell.html    one page for a browser, to hand out; needs no display
   radiosity lecture cornell -o slides          every step as a picture, into a folder; slides.png: slides_01.png, …
   radiosity lecture my_lecture.py              your own: `radiosity lecture cornell --copy my_lecture.py` to begin
+
+Without a display the page is written all the same, but the exit code is 3: a window was asked for.
 """
 
 
@@ -38,26 +44,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-q", "--quiet", action="store_true", help="say only what is wrong")
 
 
-def run(args: argparse.Namespace, screen: Screen) -> None:
-    """Solve what the lecture shows, and give it."""
-    from .. import lectures
-
+def run(args: argparse.Namespace, screen: Screen) -> int:
+    """Solve what the lecture shows, and give it; the exit code."""
     if args.name is None:
         _list(screen)
-        return
-    if args.copy is not None:
+    elif args.copy is not None:
         _copy(args.name, args.copy)
         screen.say(f"wrote {args.copy}: change it, then run `radiosity lecture {args.copy}`")
-        return
+    else:
+        return _give(args, screen)
+    return 0
+
+
+def _give(args: argparse.Namespace, screen: Screen) -> int:
+    """In a window, or written; as a page if there can be no window."""
+    from .. import lectures
+
     lecture = lectures.find(args.name)
-    outputs = _outputs(args, screen)
+    outputs: list[Path] = args.output
+    _check(outputs)
     with screen.working(f"solving for {lecture.title!r}"):
         talk = lectures.Talk.prepare(lecture, args.patches)
-    if not outputs:
-        from .interrupts import window_open
-
-        with window_open():
-            lectures.run(talk)
+    missing = "" if outputs else _window(talk)
+    if missing:
+        screen.warn(f"no window: {missing} Writing a page for a browser instead")
+        outputs = [Path(f"{Path(args.name).stem}_lecture.html")]
     for path in outputs:
         with screen.working("drawing"):
             written = lectures.export(talk, path)
@@ -65,6 +76,21 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
             screen.say(f"wrote {written[0]} ({written[0].stat().st_size / 1024:.0f} KiB)")
         else:
             screen.say(f"wrote {len(written)} pictures, {written[0]} to {written[-1].name}")
+    return NO_WINDOW if missing else 0
+
+
+def _window(talk: Talk) -> str:
+    """Give the lecture in a window; why not, if there can be none."""
+    from .. import lectures
+    from ..errors import DisplayError
+    from .interrupts import window_open
+
+    try:
+        with window_open():
+            lectures.run(talk)
+    except DisplayError as error:
+        return str(error)
+    return ""
 
 
 def _list(screen: Screen) -> None:
@@ -76,23 +102,18 @@ def _list(screen: Screen) -> None:
         screen.out.print(f"{name:<10} {lecture.title} ({lecture.minutes:g} minutes)", highlight=False, markup=False)
 
 
-def _outputs(args: argparse.Namespace, screen: Screen) -> list[Path]:
-    """Where to write to, refused before any work if it cannot be; pictures where there is no display."""
+def _check(outputs: list[Path]) -> None:
+    """Refuse, before any work, what cannot be written."""
     from ..errors import MissingFileError
     from ..lectures.runner import check
     from ..viewer import probe
 
-    outputs: list[Path] = args.output
-    if not outputs and not probe.has_display():
-        screen.say("there is no display; writing a page instead")
-        outputs = [Path(f"{Path(args.name).stem}_lecture.html")]
     for path in outputs:
         check(path)
         if not path.parent.is_dir():
             raise MissingFileError(f"cannot write {path}: there is no folder {path.parent}; make it first")
     if any(path.suffix.lower() != ".html" for path in outputs):
         probe.require("off-screen")
-    return outputs
 
 
 def _copy(name: str, path: Path) -> None:

@@ -28,6 +28,9 @@ examples:
   radiosity solve cornell_box -o cornell.npz      a built-in scene, solved and kept
   radiosity solve room.obj --unit mm --lamp Ceiling=30,28,25 -o room.vtp
   radiosity view cornell.npz --screenshot cornell.png
+
+exit codes: 0 done; 1 a case of `stress` failed; 2 refused, the last line says why and what to do; 3 there is no window
+to be had, so pictures or a page were written instead; 130 after Ctrl-C
 """
 
 
@@ -42,8 +45,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 when all went well, 1 when a case of `stress` failed, 2 when the input or the machine does not allow it, 130
-        after Ctrl-C.
+        0 when all went well, 1 when a case of `stress` failed, 2 when the input or the machine does not allow it, 3
+        when a window was asked for and none can open, 130 after Ctrl-C.
     """
     for stream in (sys.stdout, sys.stderr):
         with suppress(AttributeError, ValueError):  # a terminal that lacks ρ shows a question mark for it

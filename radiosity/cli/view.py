@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import arguments
-from .console import Screen
+from .console import NO_WINDOW, Screen
 
 if TYPE_CHECKING:
     import radiosity as rad
@@ -19,6 +19,8 @@ examples:
   radiosity view cornell.npz                      what `radiosity solve … -o cornell.npz` has kept
   radiosity view red_rug --patches 4000 --order 2
   radiosity view cornell_box --screenshot cornell.png
+
+Without a display the pictures are written all the same, but the exit code is 3: a window was asked for.
 """
 
 
@@ -30,14 +32,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("view")
     group.add_argument("--screenshot", type=Path, metavar="FILE", help="draw the window into a .png; needs no display")
     group.add_argument("--pictures", type=Path, metavar="FOLDER", help="write the pictures of all bounces; no window")
+    group.add_argument(
+        "--or-pictures", action="store_true", help="without a display, pictures are as good: exit code 0 (as viewer.py)"
+    )
     group.add_argument("--order", type=arguments.natural, default=1, metavar="K", help="bounce to begin with")
     group.add_argument("--exposure", type=float, default=0.0, metavar="EV", help="steps brighter or darker")
     arguments.add_scene(parser)
     arguments.add_solve(parser)
 
 
-def run(args: argparse.Namespace, screen: Screen) -> None:
-    """Solve if need be, and show."""
+def run(args: argparse.Namespace, screen: Screen) -> int:
+    """Solve if need be, and show; the exit code."""
     from ..viewer import probe
     from . import source
 
@@ -53,8 +58,14 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
         with screen.working("drawing"):
             _screenshot(solved, args.screenshot, settings)
         screen.say(f"wrote {args.screenshot}")
-    elif args.pictures is not None or not _window(solved, settings, screen):
-        write_pictures(solved, args.pictures or Path(f"{solved.scene.name}_pictures"), screen)
+    elif args.pictures is not None:
+        write_pictures(solved, args.pictures, screen)
+    elif missing := _window(solved, settings):
+        say = screen.say if args.or_pictures else screen.warn
+        say(f"no window: {missing} Writing pictures instead")
+        write_pictures(solved, Path(f"{solved.scene.name}_pictures"), screen)
+        return 0 if args.or_pictures else NO_WINDOW
+    return 0
 
 
 def _screenshot(solved: rad.Solution, path: Path, settings: dict[str, Any]) -> None:
@@ -65,22 +76,17 @@ def _screenshot(solved: rad.Solution, path: Path, settings: dict[str, Any]) -> N
         view(solved, screenshot=temporary, **settings)
 
 
-def _window(solved: rad.Solution, settings: dict[str, Any], screen: Screen) -> bool:
-    """Open the window; False, and why, if there can be none."""
+def _window(solved: rad.Solution, settings: dict[str, Any]) -> str:
+    """Open the window; why not, if there can be none."""
     from ..errors import DisplayError
-    from ..viewer import probe
     from .interrupts import window_open
 
-    if not probe.has_display():
-        screen.say("there is no display; writing pictures instead")
-        return False
     try:
         with window_open():
             solved.show(**settings)
     except DisplayError as error:
-        screen.warn(f"no window: {error} Writing pictures instead")
-        return False
-    return True
+        return str(error)
+    return ""
 
 
 def write_pictures(solved: rad.Solution, folder: Path, screen: Screen) -> None:

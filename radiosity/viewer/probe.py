@@ -19,8 +19,9 @@ INSTALL = (
     "on Fedora `sudo dnf install mesa-libGL mesa-libEGL mesa-dri-drivers libXcursor`."
 )
 INSTEAD = (
-    "Write pictures instead, with --screenshot FILE or solution.save('picture.png'), or the page for a browser with "
-    "solution.save('page.html'); over ssh, try `ssh -X`."
+    "Without one there are pictures (`radiosity view SCENE --screenshot FILE`, solution.save('picture.png')) and pages "
+    "for a browser (`radiosity export SCENE -o FILE.html`, `radiosity lecture NAME -o FILE.html`);"
+    "over ssh, try `ssh -X`."
 )
 DRAW = """
 import sys
@@ -107,8 +108,9 @@ def require(where: Where = "off-screen") -> None:
         raise DisplayError(f"there is no display to open a window on (DISPLAY is not set). {INSTEAD}")
     run = _drawn(where, os.environ.get("DISPLAY"))
     if run is None:
+        instead = f" {INSTEAD}" if where == "window" else ""
         raise DisplayError(
-            f"drawing a test picture ({where}) did not end within {SECONDS:.0f} s; is the display alive?"
+            f"drawing a test picture ({where}) did not end within {SECONDS:.0f} s; is the display alive?{instead}"
         )
     if run.returncode != 0:
         raise DisplayError(_explanation(where, run))

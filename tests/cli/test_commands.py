@@ -177,15 +177,52 @@ def test_export_writes_contact_sheet_and_film(place):
 
 
 @needs_gl
-def test_view_without_a_display_writes_pictures_and_says_where(place, capsys):
-    assert main(["view", "cornell_box", *SMALL, "--bounces", "2"]) == 0
+@pytest.mark.parametrize(("words", "code"), [([], 3), (["--or-pictures"], 0)])
+def test_view_without_a_display_writes_pictures_and_says_where(place, capsys, words, code):
+    """A window was asked for: that is no success, unless pictures are declared as good (as `viewer.py` does)."""
+    assert main(["view", "cornell_box", *SMALL, "--bounces", "2", *words]) == code
     told = capsys.readouterr().err
     folder = place / "cornell_box_pictures"
-    assert "there is no display; writing pictures instead" in told
+    assert "no window: there is no display" in told
+    assert ("warning: no window" in told) == (code == 3)
+    assert "--screenshot FILE" in told
+    assert "Writing pictures instead" in told
     assert str(folder) in told
     written = {path.name for path in folder.iterdir()}
     assert {"orders.png", "sum.png", "power.png"} <= written
     assert all(name in told for name in written)
+
+
+@pytest.mark.parametrize("screen", [None, ":987"])
+def test_a_lecture_without_a_display_becomes_a_page_and_no_success(place, monkeypatch, capsys, screen):
+    if screen:
+        monkeypatch.setenv("DISPLAY", screen)
+    assert main(["lecture", "dome", "--patches", "100"]) == 3
+    told = capsys.readouterr().err
+    assert "warning: no window: " in told
+    assert "lecture NAME -o FILE.html" in told
+    assert "wrote dome_lecture.html" in told
+    assert "Traceback" not in told
+    assert "</html>" in (place / "dome_lecture.html").read_text()
+
+
+def test_without_gl_every_command_that_draws_says_what_to_install(place, monkeypatch, capsys):
+    """Before or after the light is computed, but never by a crash, and never with a half-written file."""
+    assert main(["solve", "furnace", *SMALL, "-q", "-o", "a.npz"]) == 0
+    monkeypatch.setattr(probe, "_drawn", no_gl)
+    for words in (
+        ["view", "a.npz", "--screenshot", "b.png"],
+        ["view", "a.npz", "--pictures", "pictures"],
+        ["export", "a.npz", "-o", "b.png"],
+        ["export", "a.npz", "-o", "b.gif"],
+        ["lecture", "dome", "-o", "slides"],
+        ["scenes", "--check", "furnace", "-o", "b.png"],
+    ):
+        assert main(words) == 2, words
+        told = capsys.readouterr().err
+        assert INSTALL in told.replace("\n", " "), words
+        assert "Traceback" not in told
+    assert not {"b.png", "b.gif"} & {path.name for path in place.iterdir()}
 
 
 @needs_gl
@@ -220,7 +257,7 @@ def test_without_gl_data_are_written_whatever_the_order_of_outputs(place, monkey
 @needs_gl
 def test_a_display_that_is_dead_is_said_and_pictures_are_written(place, monkeypatch, capsys):
     monkeypatch.setenv("DISPLAY", ":987")
-    assert main(["view", "furnace", *SMALL, "--bounces", "1"]) == 0
+    assert main(["view", "furnace", *SMALL, "--bounces", "1"]) == 3
     told = capsys.readouterr().err
     assert "warning: no window: " in told
     assert ":987" in told

@@ -279,6 +279,50 @@ def test_what_a_page_cannot_show_is_refused(solution: rad.Solution) -> None:
         page.page(solution, wrong=False, left="matrix")
 
 
+CANVAS = """(() => {
+    const gl = viewer.painter.gl, { width, height } = gl.canvas, pixels = new Uint8Array(4 * width * height);
+    viewer.draw();
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    return btoa(pixels.reduce((text, byte) => text + String.fromCharCode(byte), ""));
+})()"""
+
+
+@needs_browser
+@pytest.mark.parametrize(
+    "link", ["#show=both&k=2&picked=30", "#show=both&left=sees&picked=30", "#show=sum&falseColour=1", "#wrong=3"]
+)
+def test_a_view_shown_again_has_the_same_pixels(browser: Browser, file: Path, link: str) -> None:
+    """Drawn from the patches, from the numbers of the patches in each pixel, and from those in other light and back."""
+    browser.size(900, 480)
+    browser.open(file, link)
+    browser.run("viewer.painter.views.clear()")
+    drawn = browser.run(CANVAS)
+    assert browser.run("[...viewer.painter.views.values()].every((view) => !view)")
+    looked_up = browser.run(CANVAS)
+    assert browser.run("[...viewer.painter.views.values()].every((view) => view)")
+    assert looked_up == drawn
+    before = browser.run("viewer.state.k")
+    browser.run("viewer.set({ k: 0 })")
+    assert browser.run(CANVAS) != drawn
+    browser.run(f"viewer.set({{ k: {before} }})")
+    assert browser.run(CANVAS) == drawn
+    assert browser.run("camera.position[0] += 0.05 * radius, " + CANVAS) != drawn
+    assert browser.run("[...viewer.painter.views.values()].some((view) => !view)")  # another view is drawn at first
+    assert browser.complaints == []
+
+
+@needs_browser
+def test_light_on_the_card_makes_room_for_other_light(shown: Browser) -> None:
+    """However much light has been shown, what is kept stays within bounds, and the picture right."""
+    first = shown.run("viewer.set({ k: 2 }), " + CANVAS)
+    shown.run("for (let i = 0; i < 200; i++) { viewer.set({ paint: 0.9 + 0.0004 * i }); viewer.draw(); }")
+    kept = shown.run("[viewer.painter.kept, viewer.painter.lights.size]")
+    assert kept[0] <= 12e6
+    per_light = 3 * 1024 * -(-shown.run("viewer.meta.patches") // 1024)
+    assert kept[1] * per_light == kept[0]
+    assert shown.run("viewer.set({ paint: 1 }), " + CANVAS) == first
+
+
 @needs_browser
 def test_bounce_slider_acts_while_it_is_dragged(shown: Browser, series: Series) -> None:
     x, y, width, height = shown.box("#k")
