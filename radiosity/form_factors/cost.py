@@ -7,8 +7,9 @@ thrown away.
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,8 @@ from ..parallel import blocks, ordered_map, thread_count
 from ..patches import Patches
 from ..rays import Tracer
 from .analytic import ExactRows
-from .assembly import Float, RowMaker, Rows, mean_rows, stack_rows
-from .workers import Span
+from .assembly import Float, RowBlock, RowMaker, Rows, mean_rows, stack_rows
+from .workers import Span, cut
 
 if TYPE_CHECKING:
     from .estimate import Estimator
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 SHARE = 24  # one block in so many is sampled …
 FEWEST, MOST = 32, 128  # … but not fewer and not more
 SMALLER = 8  # than what is made at once: neighbours are alike, so many blocks of few rows tell more than few of many
+WHOLE = 4  # blocks of as many rows as are made at once, for what their size saves
 PER_ROW = 24  # bytes beside the entries: where a row begins, its shares to sky and backs
 BESIDE = 100_000_000  # bytes of blocks under way, at most
 
@@ -48,7 +50,7 @@ class Cost:
     peak_bytes : int
         Most that is needed at any time on the way.
     seconds : float
-        On this machine, with the given number of threads, kernels being compiled.
+        On this machine with nothing else to do, with the given number of threads, kernels being compiled.
     sampled : int
         Rows that this was foretold from.
     """
@@ -86,7 +88,7 @@ def predict(
 ) -> Cost:
     """Bytes and seconds that `form_factors` will take.
 
-    Nothing is kept; the sample takes a few hundredths to a tenth of a second.
+    Nothing is kept; the sample takes a few hundredths of a second to one, the longer the more it foretells.
 
     Parameters
     ----------
@@ -133,28 +135,50 @@ def predict(
 
 @dataclass(frozen=True, eq=False)
 class _Sample:
-    rows: list[Rows]
-    count: int
-    seconds: float
+    rows: Rows
+    seconds: float  # that all rows will take
 
 
 def _sample(maker: RowMaker, count: int, dtype: Float, threads: int | None) -> _Sample:
-    """Some blocks of rows, made and stacked as all will be, and the seconds that it took."""
-    spans = _evenly(blocks(count, max(1, maker.rows_at_once // SMALLER)), thread_count(threads))
+    """Some blocks of rows, made and stacked as all will be, and the seconds that all will take.
 
-    def make(span: Span) -> Rows:
+    Small blocks all over the scene tell what a row costs there; a few whole ones, made again in small ones, how much
+    less it costs in those. In time of the processor, which other work of the machine hardly lengthens.
+    """
+    workers = thread_count(threads)
+    size = math.ceil(maker.rows_at_once / SMALLER)
+    whole, small = blocks(count, maker.rows_at_once), _evenly(blocks(count, size), workers)
+    paired = _evenly(whole, workers, max(WHOLE, workers))
+    parts = cut(paired, size)
+
+    def make(span: Span) -> tuple[RowBlock, float]:
+        begin = time.thread_time()
         block = maker(span).finished(maker.divisor, dtype)
-        return stack_rows([block._replace(begin=0)], len(block.lengths), dtype, columns=count)
+        return block, time.thread_time() - begin
 
-    make(spans[0])  # kernels are loaded, and their memory is there
-    begin = time.perf_counter()
-    rows = list(ordered_map(make, spans, threads))
-    return _Sample(rows, sum(end - begin for begin, end in spans), time.perf_counter() - begin)
+    warm = paired[:1] * (2 * workers)  # each thread has loaded the kernels, and has its memory
+    made = list(ordered_map(make, [*warm, *paired, *parts, *small], threads))[len(warm) :]
+    each = np.split([seconds for _, seconds in made], np.cumsum([len(paired), len(parts)]))
+    in_whole, in_parts, in_small = (seconds.sum() for seconds in each)
+    sampled = sum(end - begin for begin, end in small)
+    begin = time.thread_time()
+    rows = stack_rows(_closed_up(block for block, _ in made[-len(small) :]), sampled, dtype, columns=count)
+    stacking = time.thread_time() - begin
+    block = (in_whole / in_parts * in_small + stacking) / sampled * count / len(whole)
+    return _Sample(rows, block * math.ceil(len(whole) / workers))
 
 
-def _evenly(spans: Sequence[Span], threads: int) -> list[Span]:
+def _closed_up(made: Iterable[RowBlock]) -> Iterator[RowBlock]:
+    """Blocks one after the other, as if there were no others between them."""
+    filled = 0
+    for block in made:
+        yield block._replace(begin=filled)
+        filled += len(block.lengths)
+
+
+def _evenly(spans: Sequence[Span], threads: int, most: int = MOST) -> list[Span]:
     """Some of the spans, from the middles of equal parts of them all; enough for all threads."""
-    wanted = min(len(spans), max(FEWEST, 4 * threads, min(MOST, len(spans) // SHARE)))
+    wanted = min(len(spans), most, max(FEWEST, 4 * threads, len(spans) // SHARE))
     return [spans[int((k + 0.5) * len(spans) / wanted)] for k in range(wanted)]
 
 
@@ -163,21 +187,23 @@ def _scaled(
 ) -> Cost:
     """Cost of all rows from that of some."""
     entry = 4 + np.dtype(dtype).itemsize
-    scale = count / samples[0].count
-    nonzeros = [scale * sum(rows.matrix.nnz for rows in sample.rows) for sample in samples]
-    seconds = ready + scale * sum(sample.seconds for sample in samples)
+    sampled = samples[0].rows.matrix.shape[0]
+    scale = count / sampled
+    nonzeros = [scale * sample.rows.matrix.nnz for sample in samples]
+    seconds = ready + sum(sample.seconds for sample in samples)
     whole, kept = nonzeros[0], entry * sum(nonzeros) + PER_ROW * count * len(samples)
     if len(samples) > 1:
-        mean_rows([sample.rows[0] for sample in samples], dtype)
+        runs = [sample.rows for sample in samples]
+        mean_rows(runs, dtype, threads)
         begin = time.perf_counter()
-        means = [mean_rows([sample.rows[k] for sample in samples], dtype) for k in range(len(samples[0].rows))]
-        seconds += scale * (time.perf_counter() - begin) / threads
-        whole = scale * sum(mean.matrix.nnz for mean in means)
+        mean = mean_rows(runs, dtype, threads)
+        seconds += scale * (time.perf_counter() - begin)
+        whole = scale * mean.matrix.nnz
         kept += entry * whole + PER_ROW * count
     peak = kept + min(BESIDE, kept)
     if isinstance(makers[0], ExactRows):
         seconds, peak = ready + 0.5 * (seconds - ready), kept + 8 * count**2
-    return Cost(count, round(whole), round(kept), round(peak), seconds, samples[0].count)
+    return Cost(count, round(whole), round(kept), round(peak), seconds, sampled)
 
 
 def check_cost(

@@ -9,6 +9,7 @@ import radiosity as rad
 from radiosity import memory
 from radiosity.errors import MemoryLimitError, ParameterError
 from radiosity.form_factors import cost, estimate
+from radiosity.form_factors.assembly import RowBlock
 from radiosity.form_factors.cost import predict
 
 
@@ -48,6 +49,42 @@ def test_a_large_assembly_is_foretold_from_few_of_its_rows():
     found = predict(patches, rad.MonteCarlo(128))
     assert found.sampled < 0.1 * len(patches)
     assert str(found).startswith(f"{len(patches):,} patches: about {found.nonzeros:,} non-zeros") and "MB" in str(found)
+
+
+class Metered:
+    """An estimator whose calls cost 3 s and rows 0.01 s (cheap half) or 0.03 s each, by a clock of its own."""
+
+    replicates, rows_at_once, most, divisor, exact_columns = 1, 128, 1, 1.0, None
+
+    def __init__(self):
+        self.now = 0.0
+
+    def thread_time(self):
+        return self.now
+
+    perf_counter = thread_time
+
+    def rows(self, patches, _tracer, _replicate):
+        self.half = len(patches) / 2
+        return self
+
+    def __call__(self, span):
+        rows = np.arange(*span)
+        self.now += 3.0 + np.where(rows < self.half, 0.01, 0.03).sum()
+        ones = np.ones(len(rows))
+        return RowBlock(span[0], ones.astype(np.int64), rows.astype(np.int32), ones, 0.0 * ones, 0.0 * ones)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_seconds_are_those_of_whole_blocks_all_over_the_scene(monkeypatch, threads):
+    """A sample of small blocks alone would call eight times as often, and one of few places find one price."""
+    patches = rad.subdivide(rad.scenes.furnace(), patch_count=20_000)
+    estimator = Metered()
+    monkeypatch.setattr(cost, "time", estimator)
+    monkeypatch.setattr(cost, "ordered_map", lambda function, items, _: map(function, items))
+    found = predict(patches, estimator, threads=threads)
+    turns = -(-len(patches) // 128 // threads)
+    assert found.seconds == pytest.approx(turns * (3.0 + 128 * 0.02), rel=0.02)
 
 
 def test_more_than_the_limit_is_refused_with_figures_and_ways_out(monkeypatch):
