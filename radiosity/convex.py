@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import kernel
+from .face_points import cell_at, face_table
 from .faces import Faces
 from .patches import Grid
-from .rays import MISS, Tracer, cell_at, face_table
+from .rays import MISS, Tracer
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -17,7 +17,7 @@ from .geometry import longest_edges, quad_vector_areas, unit
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-DEPTH = 1e-5  # of the diagonal of all faces; the same as `radiosity.rays.OFFSET`
+DEPTH = 1e-5  # of the diagonal of all faces; the same as `radiosity.face_points.OFFSET`
 TILT = 0.03  # radians: small faces with rounded corners may be turned as much
 TOUCH = 1e-6  # of the diagonal: common strips that are thinner are rounding
 LARGE, SINGLED_OUT = 1e-4, 1000  # faces of this area, in diagonals², and so many: compared with their owner's too

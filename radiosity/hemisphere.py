@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
+from .face_points import OFFSET
 from .geometry import unit
 from .patches import Patches
-from .rays import BACK, MISS, OFFSET, Tracer
+from .rays import BACK, MISS, Tracer
 
 FloatArray = NDArray[np.float64]
 

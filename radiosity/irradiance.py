@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ParameterError
+from .face_points import OFFSET
 from .parallel import blocks, ordered_map
 from .patches import Patches
-from .rays import MISS, OFFSET, Tracer
+from .rays import MISS, Tracer
 from .sequences import BITS_TO_UNIT, seed_key, sobol_points
 
 FloatArray = NDArray[np.float64]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from radiosity import coplanar, rays
+from radiosity import coplanar, face_points
 from radiosity.coplanar import areas, common_shapes, coplanar_pairs
 
 
@@ -85,7 +85,7 @@ def test_common_areas_of_many_pairs_against_one_by_one():
 
 @pytest.mark.parametrize(("gap", "count"), [(0.0, 1), (0.9e-5, 1), (1.1e-5, 0), (1e-3, 0)])
 def test_one_plane_is_what_rays_cannot_tell_apart(gap, count):
-    assert coplanar.DEPTH == rays.OFFSET
+    assert coplanar.DEPTH == face_points.OFFSET
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     diagonal = np.sqrt(2)
     faces = np.stack([square, 0.5 * square + [0.2, 0.2, gap * diagonal]])

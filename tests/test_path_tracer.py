@@ -9,8 +9,9 @@ import pytest
 
 import radiosity as rad
 from radiosity.errors import ParameterError
+from radiosity.face_points import OFFSET
 from radiosity.path_tracer import PathTracer, kernels, walks
-from radiosity.rays import OFFSET, Tracer
+from radiosity.rays import Tracer
 from radiosity.transport import TransportOperator
 from tests.test_patches import soup
 from tests.truths import load, relative_error

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import radiosity as rad
+from radiosity.face_points import OFFSET, patch_point, patch_points
 from radiosity.patches import locate
-from radiosity.rays import BACK, MISS, OFFSET, Tracer, patch_point, patch_points
+from radiosity.rays import BACK, MISS, Tracer
 
 from .test_patches import bilinear_coordinates, soup
 

@@ -21,8 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import kernel
+from ..face_points import FaceTable, whole_faces
 from ..patches import Patches
-from ..rays import FaceTable, Tracer, whole_faces
+from ..rays import Tracer
 from ..sequences import keys, sobol_points
 from .assembly import RowBlock
 from .contour import exchange_area_matrix

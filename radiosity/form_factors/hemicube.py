@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from ..compiled import kernel
 from ..errors import ParameterError
+from ..face_points import patch_point
 from ..patches import Patches
-from ..rays import MISS, Tracer, patch_point
+from ..rays import MISS, Tracer
 from .assembly import RowBlock, RowMaker
 
 FloatArray = NDArray[np.float64]

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..compiled import kernel
 from ..errors import ParameterError
+from ..face_points import FaceTable
 from ..patches import Patches
-from ..rays import FaceTable, Tracer
+from ..rays import Tracer
 from ..sequences import keys, seed_key, sobol_points
 from .ahead import DIRECT_LIGHT
 from .assembly import RowBlock, RowMaker, count_hits

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..compiled import kernel
-from ..rays import patch_points
+from ..face_points import patch_points
 from ..sequences import BITS_TO_UNIT, high_bits, key
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import kernel
-from ..rays import MISS, FaceTable, patch_point
+from ..face_points import FaceTable, patch_point
+from ..rays import MISS
 from ..sequences import BITS_TO_UNIT, high_bits, key
 
 FloatArray = NDArray[np.float64]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import kernel
+from ..face_points import patch_point
 from ..patches import Patches
-from ..rays import patch_point
 from ..sequences import BITS_TO_UNIT, high_bits, key
 from .kernels import FloatArray
 from .share import TILE, part_of

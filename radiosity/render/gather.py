@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import kernel
+from ..face_points import patch_point
 from ..form_factors.monte_carlo import cosine_directions
 from ..form_factors.polygon_kernels import MAX_CORNERS
-from ..rays import patch_point
 from ..sequences import BITS_TO_UNIT, high_bits, key
 from .aim import ANYWHERE, NOWHERE, density_of_rays
 from .kernels import FloatArray

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import kernel
+from ..face_points import patch_point
 from ..form_factors.polygon_kernels import MAX_CORNERS, clip_to_front, lambert
 from ..patches import Patches
-from ..rays import Tracer, patch_point
+from ..rays import Tracer
 from ..sequences import BITS_TO_UNIT, high_bits, key
 from .kernels import FloatArray
 

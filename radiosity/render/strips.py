@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..face_points import whole_faces
 from ..patches import Patches
-from ..rays import Tracer, whole_faces
+from ..rays import Tracer
 from ..sequences import BITS_TO_UNIT, seed_key, sobol_points
 from .aim import Targets, aimed_rays
 from .gather import Near, add_near, gather_rays, near_rays, sum_gathered

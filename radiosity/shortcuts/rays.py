@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, vstack
 
 from ..errors import ParameterError
+from ..face_points import OFFSET
 from ..form_factors.monte_carlo import BATCH, Places, cosine_rays
 from ..parallel import blocks, ordered_map
 from ..patches import Grid, Patches
-from ..rays import MISS, OFFSET, Tracer
+from ..rays import MISS, Tracer
 from ..sequences import seed_key, sobol_points
 
 FloatArray = NDArray[np.float64]

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import radiosity as rad
+from radiosity.face_points import patch_point
 from radiosity.form_factors.groups import CORNER_SAMPLES, group_patches
-from radiosity.rays import Tracer, patch_point
+from radiosity.rays import Tracer
 
 
 def scene():
