@@ -100,6 +100,9 @@ class Patches:
     surface_names: tuple[str, ...]
     name: str
 
+    def __repr__(self) -> str:
+        return f"<Patches of {self.name!r}: {len(self):,} on {len(self.surface_names)} surfaces>"
+
     def __len__(self) -> int:
         """Number of patches N."""
         return len(self.area)
@@ -259,13 +262,7 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         front, back = (base[lit][:, None] + np.arange(cells[members[0]]) for base in (grid.front, grid.back))
         corner[back] = corner[front][..., [0, 3, 2, 1] if quad else [0, 2, 1, 3]]
         area[back], centroid[back], face[back], side[back] = area[front], centroid[front], lit[:, None], -1
-    channels = scene.channels
     surface = faces.surface[face]
-
-    def per_patch(name: str) -> FloatArray:
-        values = [np.broadcast_to(getattr(s.material, name), channels) for s in scene.surfaces]
-        return np.stack(values)[surface]
-
     return Patches(
         vertices=vertices,
         faces=corner,
@@ -273,9 +270,7 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         normal=faces.normal[face] * side[:, None],
         centroid=centroid,
         surface=surface,
-        reflectance=per_patch("reflectance"),
-        absorptance=per_patch("absorptance"),
-        emission=per_patch("emission"),
+        **{name: _by_surface(scene, name)[surface] for name in ("reflectance", "absorptance", "emission")},
         sky=scene.sky,
         face=face,
         side=side,
@@ -284,6 +279,11 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         surface_names=scene.surface_names,
         name=scene.name,
     )
+
+
+def _by_surface(scene: Scene, what: str) -> FloatArray:
+    """A property of the materials, (surfaces, C)."""
+    return np.stack([np.broadcast_to(getattr(s.material, what), scene.channels) for s in scene.surfaces])
 
 
 def _cut_quads(faces: Faces, members: IntArray, columns: int, rows: int) -> tuple[FloatArray, IntArray, FloatArray]:
@@ -335,7 +335,7 @@ def _centroids(vertices: FloatArray, corner: IntArray, quad: bool) -> FloatArray
 def locate(grid: Grid, face: NDArray[np.integer], u: FloatArray, v: FloatArray, back: NDArray[np.bool_]) -> IntArray:
     """The patch that holds a point of a face: arithmetic, no search.
 
-    The readable twin of the kernel in `radiosity.rays`.
+    The readable twin of the kernel in `radiosity.face_points`.
 
     Parameters
     ----------

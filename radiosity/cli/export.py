@@ -29,14 +29,8 @@ SWITCHES = ("normalised", "smooth", "false_colour")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Words of this command."""
     parser.add_argument("scene", metavar="SCENE", help="a file, a built-in scene, or a solution .npz")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        required=True,
-        metavar="FILE",
-        help="a page .html, a picture .png, a film .gif or .mp4, a scene with baked light .glb; may be given again",
+    arguments.add_output(
+        parser, "a page .html, a picture .png, a film .gif or .mp4, a scene with baked light .glb", required=True
     )
     group = parser.add_argument_group("picture")
     group.add_argument("--order", type=arguments.natural, metavar="K", help="bounce to show, or to begin with")

@@ -28,15 +28,7 @@ Without a display the page is written all the same, but the exit code is 3: a wi
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Words of this command."""
     parser.add_argument("name", metavar="NAME", nargs="?", help="a lecture, or a file FILE.py with one")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write it: .html, .png (one a step) or a folder; no window; may be given again",
-    )
+    arguments.add_output(parser, "write it: .html, .png (one a step) or a folder; no window")
     parser.add_argument(
         "--copy", type=Path, metavar="FILE.py", help="write the lecture's own file, to be changed; nothing else"
     )

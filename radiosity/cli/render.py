@@ -31,15 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "scene", metavar="SCENE", nargs="?", help="a file, a built-in scene, or a solution .npz (default: Cornell box)"
     )
     group = parser.add_argument_group("picture")
-    group.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write the picture; .png or .npy; may be given again (default: the scene's name, .png)",
-    )
+    arguments.add_output(group, "write the picture; .png or .npy (default: the scene's name, .png)")
     group.add_argument(
         "--size", type=size, default=(640, 400), metavar="WxH", help="width and height in pixels (default: 640x400)"
     )

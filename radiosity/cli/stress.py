@@ -42,15 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--only", nargs="+", default=[], metavar="WORD", help="cases whose group or name holds all words"
     )
     parser.add_argument("--list", action="store_true", help="say which cases there are, and run none")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help=".csv or .json; may be given again",
-    )
+    arguments.add_output(parser, ".csv or .json")
     parser.add_argument(
         "--plot", type=Path, metavar="FILE", help="error and products against absorptance; .png or .svg"
     )

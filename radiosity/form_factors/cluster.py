@@ -134,14 +134,7 @@ def form_factors_on_cluster(
     tracer = Tracer(patches.grid)
     cost = predict(patches, estimator, kind, tracer=tracer)
     _check_room(client, cost.bytes, len(patches))
-    threads = max(1, sum(client.nthreads().values()))
-    count = max(PARTS_EACH * threads, math.ceil(cost.nonzeros / MOST_ENTRIES))
-    spans = tuple(blocks(len(patches), math.ceil(len(patches) / count)))
-    key = fingerprint(patches, estimator, kind)
-    with _large_graphs():
-        content = client.submit(_held, packed(patches, estimator), pure=False)
-        make = partial(_make, key=key, dtype=kind, count=len(patches))
-        parts = tuple(client.submit(make, content, span, pure=False) for span in spans)
+    spans, parts = _submitted(client, patches, estimator, kind, cost.nonzeros)
     shares = _in_order(client, parts, spans, progress or quiet)
     to_sky, to_backs = (np.concatenate([share[k] for share in shares]) for k in (0, 1))
     statistics: dict[str, Any] = {
@@ -162,6 +155,21 @@ def form_factors_on_cluster(
         parts,
         statistics,
     )
+
+
+def _submitted(
+    client: Client, patches: Patches, estimator: Estimator, kind: Float, nonzeros: float
+) -> tuple[tuple[tuple[int, int], ...], tuple[Any, ...]]:
+    """Blocks of rows, and the promises of the workers that make them."""
+    threads = max(1, sum(client.nthreads().values()))
+    count = max(PARTS_EACH * threads, math.ceil(nonzeros / MOST_ENTRIES))
+    spans = tuple(blocks(len(patches), math.ceil(len(patches) / count)))
+    key = fingerprint(patches, estimator, kind)
+    with _large_graphs():
+        content = client.submit(_held, packed(patches, estimator), pure=False)
+        make = partial(_make, key=key, dtype=kind, count=len(patches))
+        parts = tuple(client.submit(make, content, span, pure=False) for span in spans)
+    return spans, parts
 
 
 def _check_room(client: Client, needed: int, count: int) -> None:

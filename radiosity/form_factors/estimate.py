@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import replace
@@ -105,13 +106,8 @@ def form_factors(
     0.0
     """
     kind = np.dtype(dtype).type
-    if kind not in (np.float32, np.float64):
-        raise ParameterError(f"dtype is {dtype!r}; give float32 or float64")
-    if executor is not None:
-        Crew(executor)
     estimator = MonteCarlo() if estimator is None else estimator
-    if isinstance(estimator, TwoLevel) and (executor is not None or checkpoint is not None):
-        raise ParameterError("two levels are made by threads alone: leave executor and checkpoint out, or MonteCarlo()")
+    _check_fit(estimator, dtype, executor, checkpoint, rows)
     if not isinstance(estimator, Analytic):
         check_gaps(patches)
     begin = time.perf_counter()
@@ -124,9 +120,49 @@ def form_factors(
     makers = [estimator.rows(patches, tracer, replicate) for replicate in range(estimator.replicates)]
     check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
     if rows is not None:
-        if executor is not None or checkpoint is not None:
-            raise ParameterError("rows are left out only where this process makes them, without a checkpoint")
         makers = [SomeRows(maker, rows) for maker in makers]
+    runs = _runs(patches, estimator, makers, kind, threads, executor, checkpoint, progress or quiet)
+    factors = _with_replicates(runs, patches, estimator, kind, threads)
+    seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
+    factors.statistics.update(_counters(factors, estimator, rows), **seconds)
+    return factors if rows is None else _leaving_out(factors, rows)
+
+
+def _check_fit(
+    estimator: Estimator | TwoLevel,
+    dtype: Any,
+    executor: Executor | None,
+    checkpoint: str | os.PathLike[str] | None,
+    rows: RowChoice | None,
+) -> None:
+    """Refuse what does not go together, before any work is done.
+
+    Raises
+    ------
+    ParameterError
+    """
+    if np.dtype(dtype).type not in (np.float32, np.float64):
+        raise ParameterError(f"dtype is {dtype!r}; give float32 or float64")
+    if executor is not None:
+        Crew(executor)
+    elsewhere = executor is not None or checkpoint is not None
+    if isinstance(estimator, TwoLevel) and elsewhere:
+        raise ParameterError("two levels are made by threads alone: leave executor and checkpoint out, or MonteCarlo()")
+    if rows is not None and elsewhere:
+        raise ParameterError("rows are left out only where this process makes them, without a checkpoint")
+
+
+def _runs(
+    patches: Patches,
+    estimator: Estimator,
+    makers: Sequence[Any],
+    kind: Any,
+    threads: int | None,
+    executor: Executor | None,
+    checkpoint: str | os.PathLike[str] | None,
+    progress: Progress,
+) -> list[Rows]:
+    """Factors of every replicate, each by its maker of rows."""
     key, kept = "", None
     if executor is not None or checkpoint is not None:
         key = fingerprint(patches, estimator, kind)
@@ -134,16 +170,10 @@ def form_factors(
         makers[0].at_once(threads)
     if checkpoint is not None:
         kept = Checkpoint(checkpoint, key, f"{patches.name}, {len(patches)} patches, by {estimator}, {np.dtype(kind)}")
-    runs = [
-        _assemble(
-            RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor), kept, progress or quiet
-        )
+    return [
+        _assemble(RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor), kept, progress)
         for replicate, maker in enumerate(makers)
     ]
-    factors = _with_replicates(runs, patches, estimator, kind, threads)
-    seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
-    factors.statistics.update(_counters(factors, estimator, rows), **seconds)
-    return factors if rows is None else _leaving_out(factors, rows)
 
 
 def completed(
