@@ -65,3 +65,6 @@ class Result:
     converged: bool
     history: FloatArray
     statistics: dict[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"<Result: light of {len(self.radiosity):,} patches; {self.status}>"

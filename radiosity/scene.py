@@ -22,6 +22,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 LARGEST = 1e75  # metres: the fourth power, which the formulas need, still is a float64
+SURFACES_SHOWN = 6
 
 
 def _frozen(values: ArrayLike, dtype: Any) -> NDArray[Any]:
@@ -207,6 +208,34 @@ class Surface:
         if problems := material.problems():
             raise MaterialError(f"{where}: " + "; ".join(problems))
 
+    def turned(self, faces: ArrayLike | None = None) -> Surface:
+        """The same surface seen from its other side.
+
+        Parameters
+        ----------
+        faces : array_like of int (n,), optional
+            Which faces to turn round; all by default.
+
+        Returns
+        -------
+        Surface
+
+        Examples
+        --------
+        >>> Surface("floor", np.eye(3), [[0, 1, 2]], Material(0.5)).turned().faces
+        array([[2, 1, 0]])
+        """
+        rows = np.arange(len(self.faces)) if faces is None else np.asarray(faces, dtype=np.int64)
+        corners = self.faces.copy()
+        corners[rows, :3] = self.faces[rows, 2::-1]
+        if corners.shape[1] == 4:
+            quads = rows[self.faces[rows, 3] >= 0]
+            corners[quads] = self.faces[quads][:, [0, 3, 2, 1]]
+        return Surface(self.name, self.vertices, corners, self.material)
+
+    def __repr__(self) -> str:
+        return f"Surface({self.name!r}, {len(self.vertices):,} vertices, {len(self.faces):,} faces, {self.material!r})"
+
     def _geometry_problems(self) -> list[str]:
         found = []
         bad = np.flatnonzero(~np.isfinite(self.vertices).all(axis=1))
@@ -276,6 +305,11 @@ class Scene:
     def surface_names(self) -> tuple[str, ...]:
         """Names in the order of `surfaces`; `Patches.surface` indexes them."""
         return tuple(surface.name for surface in self.surfaces)
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.surface_names[:SURFACES_SHOWN]) + (" …" if len(self.surfaces) > SURFACES_SHOWN else "")
+        faces = sum(len(surface.faces) for surface in self.surfaces)
+        return f"<Scene {self.name!r}: {len(self.surfaces)} surfaces ({names}), {faces:,} faces, sky {self.sky}>"
 
     def validate(self) -> tuple[Finding, ...]:
         """Report everything about the geometry and the light that is wrong, doubtful or good to know.

@@ -319,6 +319,9 @@ class Solution:
 
         show(self, **settings)
 
+    def __repr__(self) -> str:
+        return f"<Solution of {self.patches.name!r}: {len(self.patches):,} patches; {self.status}; print it for more>"
+
     def __str__(self) -> str:
         """The story in a few lines."""
         factors = self.lit_factors

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from .accuracy import Found, light_to
-from .errors import ParameterError, UnlitSceneWarning
+from .backs import light_on_backs
+from .errors import GeometryWarning, ParameterError, UnlitSceneWarning
 from .form_factors import MonteCarlo, TwoLevel
 from .form_factors.estimate import Estimator
 from .parallel import thread_count
 from .patches import Patches, subdivide
-from .plan import make_plan
+from .plan import Plan, make_plan
 from .plan.work import PATCH_COUNT, Light, Work, light
 from .progress import Progress, quiet
 from .scene import Scene
@@ -98,7 +99,7 @@ def solve(
     AccuracyWarning
         The accuracy is not reached within the memory, or with these patches.
     GeometryWarning
-        The scene has more faces than `patch_count`, or faces without area.
+        The scene has more faces than `patch_count`, or faces without area; much of the light falls on black backs.
 
     Examples
     --------
@@ -128,18 +129,13 @@ def solve(
             scene, patch_count, patch_size, estimator, solver, bounces, dtype, leave_out, work
         )
         reached = None
+    if lost := light_on_backs(patches, solved.factors):
+        warnings.warn(f"{scene.name}: {lost}", GeometryWarning, stacklevel=2)
     made = solved.plan
-    settings = {
-        "patch_count": PATCH_COUNT if patch_count is patch_size is accuracy is None else patch_count,
-        "patch_size": patch_size,
-        "estimator": repr(made.estimator),
-        "solver": repr(made.solver),
-        "bounces": bounces,
-        "seed": getattr(made.estimator, "seed", None),
-        "dtype": str(np.dtype(made.dtype)),
-        "accuracy": accuracy,
-        "leave_out": leave_out,
-    }
+    if patch_count is patch_size is accuracy is None:
+        patch_count = PATCH_COUNT
+    told = {"patch_count": patch_count, "patch_size": patch_size, "bounces": bounces}
+    settings = {**told, **_chosen(made), "accuracy": accuracy, "leave_out": leave_out}
     statistics = {**_counters(patches), **before, **solved.factors.statistics, **solved.result.statistics}
     if made.story():
         statistics["plan/left out"] = made.story()
@@ -148,6 +144,16 @@ def solve(
     return Solution(
         scene, patches, solved.factors, solved.result, made.solver, bounces, settings, statistics, made, reached
     )
+
+
+def _chosen(plan: Plan) -> dict[str, Any]:
+    """Estimator, solver and precision, as plain values."""
+    return {
+        "estimator": repr(plan.estimator),
+        "solver": repr(plan.solver),
+        "seed": getattr(plan.estimator, "seed", None),
+        "dtype": str(np.dtype(plan.dtype)),
+    }
 
 
 def _as_told(

@@ -90,8 +90,8 @@ class TransportOperator:
     factors: FormFactors | RowsOnDemand
     patches: InitVar[Materials | None] = None
     _: KW_ONLY
-    reflectance: FloatArray = None  # type: ignore[assignment]  # always an array after __post_init__
-    absorptance: FloatArray = None  # type: ignore[assignment]
+    reflectance: FloatArray = field(default=None, repr=False)  # type: ignore[arg-type]  # after __post_init__ an array
+    absorptance: FloatArray = field(default=None, repr=False)  # type: ignore[arg-type]
     threads: int | None = None
     to_outside: FloatArray = field(init=False, repr=False)
 

@@ -105,3 +105,23 @@ def test_arrays_cannot_be_changed_behind_the_checks():
     surface = square(vertices=given)
     given[0, 0] = np.nan
     assert np.isfinite(surface.vertices).all()
+
+
+def test_what_python_shows_of_large_objects_is_a_line() -> None:
+    scene = rad.scenes.cornell_box()
+    solution = rad.solve(scene, patch_count=100)
+    T = rad.TransportOperator(solution.factors, solution.patches)
+    shown = [scene, solution, solution.patches, solution.factors, solution.result, solution.certificate, T]
+    assert {type(one).__name__: len(repr(one)) for one in shown if not 20 < len(repr(one)) < 250} == {}
+    assert repr(scene) == (
+        "<Scene 'cornell_box': 8 surfaces (floor, ceiling, lamp, back_wall, green_wall, red_wall …), "
+        "33 faces, sky [0. 0. 0.]>"
+    )
+
+
+def test_a_surface_turned_twice_is_itself() -> None:
+    """Quads, and triangles padded among them, keep their corners and show them from the other side."""
+    mixed = square(faces=[[0, 1, 2, 3], [0, 1, 2, -1]])
+    assert mixed.turned().faces.tolist() == [[0, 3, 2, 1], [2, 1, 0, -1]]
+    assert mixed.turned([1]).faces.tolist() == [[0, 1, 2, 3], [2, 1, 0, -1]]
+    assert mixed.turned().turned().faces.tolist() == mixed.faces.tolist()

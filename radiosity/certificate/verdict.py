@@ -85,6 +85,9 @@ class Certificate:
     exact: bool
     bound: FloatArray
 
+    def __repr__(self) -> str:
+        return f"<Certificate: {next(_story(self))}>"
+
     def __str__(self) -> str:
         return "\n".join(_story(self))
 

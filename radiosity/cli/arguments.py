@@ -18,8 +18,8 @@ METHODS = {  # words of the API
     "two-levels": "TwoLevel",
 }
 SOLVE_OPTIONS = (
-    "unit", "fix_normals", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates", "seed",
-    "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint", "accuracy",
+    "unit", "fix_normals", "turn", "patches", "patch_size", "method", "rays", "light_rays", "sampling", "replicates",
+    "seed", "resolution", "samples", "bounces", "rtol", "threads", "memory", "checkpoint", "accuracy",
 )  # fmt: skip
 CHOSEN_BY_ACCURACY = (
     "method", "rays", "light_rays", "sampling", "replicates", "resolution", "samples", "bounces", "rtol", "checkpoint",
@@ -34,12 +34,18 @@ ONLY_FOR = {
 def add_scene(parser: argparse.ArgumentParser) -> None:
     """What to light, and by what."""
     group = parser.add_argument_group("scene")
-    group.add_argument("--unit", choices=UNITS, help="unit of length of a file that names none (default: m)")
+    group.add_argument("--unit", choices=UNITS, help="unit of length of the file (default: m)")
     group.add_argument(
         "--fix-normals",
         action="store_const",
         const=True,
         help="turn round the faces of closed shells that look the wrong way",
+    )
+    group.add_argument(
+        "--turn",
+        action="append",
+        metavar="SURFACE",
+        help="turn round a surface (or all of a material) that shows its back; may be given again",
     )
     group.add_argument(
         "--sky", type=channels, metavar="L", help="radiance of the surroundings, W/(m² sr): one number, or R,G,B"
@@ -54,8 +60,36 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_output(parser: argparse._ActionsContainer, what: str, *, required: bool = False) -> None:
+    """Files to write, each by its suffix."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        action="append",
+        default=[],
+        required=required,
+        metavar="FILE",
+        help=f"{what}; may be given again",
+    )
+
+
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """How finely, how exactly, how far."""
+    _add_accuracy(parser)
+    _add_form_factors(parser.add_argument_group("form factors"))
+    group = parser.add_argument_group("series")
+    group.add_argument("--bounces", type=natural, metavar="K", help="cut the series after K bounces")
+    group.add_argument(
+        "--rtol",
+        type=positive,
+        metavar="R",
+        help="else go on until the residual is this small a part of the source (default: 1e-6)",
+    )
+    _add_work(parser.add_argument_group("work"))
+
+
+def _add_accuracy(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("accuracy")
     group.add_argument(
         "--accuracy",
@@ -67,7 +101,9 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     size = group.add_mutually_exclusive_group()
     size.add_argument("--patches", type=count, metavar="N", help="about how many patches (default: 10000)")
     size.add_argument("--patch-size", type=positive, metavar="M", help="longest edge of a patch, m")
-    group = parser.add_argument_group("form factors")
+
+
+def _add_form_factors(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--method", choices=METHODS, help="two-levels: for 100 000 patches and more (default: monte-carlo)"
     )
@@ -80,15 +116,9 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--seed", type=natural, metavar="S", help="of the random numbers (default: 0)")
     group.add_argument("--resolution", type=count, metavar="N", help="pixels an edge, for hemicube (default: 64)")
     group.add_argument("--samples", type=count, metavar="N", help="points a patch, for hemicube (default: 1)")
-    group = parser.add_argument_group("series")
-    group.add_argument("--bounces", type=natural, metavar="K", help="cut the series after K bounces")
-    group.add_argument(
-        "--rtol",
-        type=positive,
-        metavar="R",
-        help="else go on until the residual is this small a part of the source (default: 1e-6)",
-    )
-    group = parser.add_argument_group("work")
+
+
+def _add_work(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--threads", type=count, metavar="N", help="(default: as many as there are processors)")
     group.add_argument(
         "--memory",

@@ -48,7 +48,8 @@ def _scene(word: str, args: argparse.Namespace) -> rad.Scene:
     from .source import scene
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rad.errors.GeometryWarning)  # said below, with all the rest
+        said_below = ".*surfaces lie in each other"
+        warnings.filterwarnings("ignore", said_below, rad.errors.GeometryWarning)
         return scene(word, args, contacts="keep")
 
 

@@ -29,6 +29,7 @@ class Screen:
 
     def __init__(self, quiet: bool = False) -> None:
         self.quiet = quiet
+        self.told_of_compiling = False
 
     @cached_property
     def err(self) -> Console:
@@ -125,8 +126,11 @@ def _listener(screen: Screen) -> Any:
             self.count, self.depth, self.began, self.seconds = 0, 0, 0.0, 0.0
 
         def on_start(self, _event: Any) -> None:
-            if self.count == 0:
-                screen.say("first run on this machine: compiling kernels, which takes some 20 s and is done once")
+            if self.count == 0 and not screen.told_of_compiling:
+                screen.told_of_compiling = True
+                screen.say(
+                    "first run of its kind here: compiling kernels, which takes some 20 s and is done once"
+                )
             if self.depth == 0:
                 self.began = time.perf_counter()
             self.count += 1

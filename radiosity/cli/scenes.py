@@ -47,7 +47,7 @@ def run(args: argparse.Namespace, screen: Screen) -> None:
 
         check(args.check, args, screen)
         return
-    for option in ("output", "unit", "fix_normals", "sky", "lamp"):
+    for option in ("output", "unit", "fix_normals", "turn", "sky", "lamp"):
         if getattr(args, option):
             raise ParameterError(f"--{option.replace('_', '-')} is for --check SCENE; leave it out")
     if args.write is None:

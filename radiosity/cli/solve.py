@@ -28,15 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="SCENE", help="a file (.glb .gltf .obj .ply .stl .off), a built-in scene, or a solution .npz"
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write the solution; .npz, .vtp, .html or .png; may be given again",
-    )
+    arguments.add_output(parser, "write the solution; .npz, .vtp, .html or .png")
     arguments.add_scene(parser)
     arguments.add_solve(parser)
 

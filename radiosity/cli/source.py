@@ -30,6 +30,8 @@ def scene(word: str, args: argparse.Namespace, contacts: Literal["cut", "keep"] 
             raise rad.errors.ParameterError(f"--unit is for files; the built-in scene {word!r} is in metres")
         if args.fix_normals:
             raise rad.errors.ParameterError(f"--fix-normals is for files; the normals of {word!r} are right")
+        if args.turn:
+            raise rad.errors.ParameterError(f"--turn is for files; the faces of {word!r} look the right way")
         return _lit(rad.scenes.BUILT_IN[word](), lamps, args.sky)
     if not Path(word).exists() and not Path(word).suffix:
         known = ", ".join(rad.scenes.BUILT_IN)
@@ -41,6 +43,7 @@ def scene(word: str, args: argparse.Namespace, contacts: Literal["cut", "keep"] 
         sky=args.sky,
         contacts=contacts,
         fix_normals=bool(args.fix_normals),
+        turn=args.turn or (),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -27,6 +27,7 @@ from .stl import read_stl
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 """Metres in each unit of length that `read_scene` knows."""
+LARGE = 1000.0  # metres from end to end, over which millimetres are more likely than metres
 
 NO_CUT = (
     "faces that lie back to back are seen from either side, but rays cannot tell which is in front: leave a gap of "
@@ -53,6 +54,7 @@ def read_scene(
     name: str | None = None,
     contacts: Literal["cut", "keep"] | None = None,
     fix_normals: bool = False,
+    turn: Iterable[str] = (),
 ) -> Scene:
     """Read a scene from .glb, .gltf, .obj (with its .mtl), .ply, .stl or .off.
 
@@ -63,7 +65,8 @@ def read_scene(
     ----------
     path : str or path-like
     unit : {"m", "cm", "mm", "in", "ft"}, optional
-        Unit of length of the file; metres if not given. glTF is in metres by its specification.
+        Unit of length of the file; metres if not given. glTF is in metres by its specification, but there are programs
+        that write their own unit into it.
     materials : mapping of str to Material, optional
         Materials to put in place of the file's, by the name of the surface or, failing that, of its material.
     sky : array_like (C,), optional
@@ -78,6 +81,9 @@ def read_scene(
         made, which come back as the scene that was written.
     fix_normals : bool, optional
         Turn round the faces of closed shells that look the wrong way, as `radiosity.inspection.fixed_normals` does.
+    turn : iterable of str, optional
+        Surfaces (or materials, all of whose surfaces) to turn round, by name: walls of an open room that face outwards,
+        say, of which nothing else can tell that they do.
 
     Returns
     -------
@@ -92,14 +98,16 @@ def read_scene(
     SceneError
         A file without surfaces, or with values that no scene can have.
     ParameterError
-        An unknown unit or word for `contacts`, or a name in `materials` or `lamps` that the scene does not have.
+        An unknown unit or word for `contacts`, or a name in `materials`, `lamps` or `turn` that the scene does not
+        have.
 
     Warns
     -----
     UnusedFeatureWarning
         The file holds features that a diffuse solver does not use.
     GeometryWarning
-        Surfaces lie in each other: which, over what area, and what was done about it. Faces that were turned round.
+        Surfaces lie in each other: which, over what area, and what was done about it. Faces that were turned round. A
+        scene of more than a kilometre whose unit was not given.
     """
     if contacts not in (None, "cut", "keep"):
         raise ParameterError(f"contacts is {contacts!r}; give 'cut' or 'keep'")
@@ -112,13 +120,17 @@ def read_scene(
     except MemoryError as error:
         raise FileFormatError(f"{file} ({file.stat().st_size:,} bytes) needs more memory than there is") from error
     notes.warn(str(file))
-    scene = _scaled(scene, _metres(unit, file))
+    scene = _scaled(scene, _metres(unit))
+    if unit is None and not notes.exact:
+        _warn_of_size(scene, file)
     if materials:
         scene = _with_materials(scene, materials)
     if lamps:
         scene = _with_lamps(scene, lamps)
     if sky is not None:
         scene = replace(scene, sky=np.asarray(sky, dtype=np.float64))
+    if turned := tuple(turn):
+        scene = _turned(scene, turned)
     if fix_normals:
         scene = scene.fixed_normals()
     if contacts == "keep" or (contacts is None and notes.exact):
@@ -179,12 +191,23 @@ def _warn_of_overlaps(scene: Scene, file: Path) -> None:
     )
 
 
-def _metres(unit: str | None, file: Path) -> float:
+def _metres(unit: str | None) -> float:
     if unit is not None and unit not in UNITS:
         raise ParameterError(f"unit is {unit!r}; known are {', '.join(UNITS)}")
-    if unit not in (None, "m") and file.suffix.lower() in (".glb", ".gltf"):
-        raise ParameterError(f"unit is {unit!r}, but glTF is in metres by its specification; leave the unit out")
     return UNITS[unit or "m"]
+
+
+def _warn_of_size(scene: Scene, file: Path) -> None:
+    """Light per m² is the same at any size, and watts, lumens and places are not."""
+    points = np.concatenate([s.vertices[s.faces[s.faces >= 0]] for s in scene.surfaces])
+    size = float(np.ptp(points, axis=0).max())
+    if size > LARGE:
+        warnings.warn(
+            f"{file}: the scene is {size:,.0f} m long if it is in metres, as is taken where no unit is given; "
+            "say which it is (rad.read_scene(…, unit='mm'), --unit mm; 'm' for metres)",
+            GeometryWarning,
+            stacklevel=3,
+        )
 
 
 def _scaled(scene: Scene, factor: float) -> Scene:
@@ -212,6 +235,12 @@ def _with_lamps(scene: Scene, lamps: Mapping[str, ArrayLike]) -> Scene:
     return replace(scene, surfaces=tuple(lit(s) for s in scene.surfaces))
 
 
+def _turned(scene: Scene, names: Sequence[str]) -> Scene:
+    _refuse_strangers(scene, names, "turn")
+    surfaces = (s.turned() if s.name in names or s.material.name in names else s for s in scene.surfaces)
+    return replace(scene, surfaces=tuple(surfaces))
+
+
 def with_emission(material: Material, emission: ArrayLike) -> Material:
     """The same material with another exitance, W/m²; reflectance or absorptance stays the one that was given."""
     given = {material.given: getattr(material, material.given)}
@@ -219,7 +248,7 @@ def with_emission(material: Material, emission: ArrayLike) -> Material:
     return Material(**given, emission=light, two_sided=material.two_sided, name=material.name)
 
 
-def _refuse_strangers(scene: Scene, named: Mapping[str, object], argument: str) -> None:
+def _refuse_strangers(scene: Scene, named: Iterable[str], argument: str) -> None:
     known = dict.fromkeys(scene.surface_names) | dict.fromkeys(s.material.name for s in scene.surfaces)
     known.pop("", None)
     if strangers := [name for name in named if name not in known]:

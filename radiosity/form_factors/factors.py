@@ -116,6 +116,9 @@ class FormFactors:
         check_shares(sums, sky, backs)
         return cls(matrix, sky, backs, areas)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self):,} patches by {self.estimator}>"
+
     def __len__(self) -> int:
         """Number of patches N."""
         return len(self.area)

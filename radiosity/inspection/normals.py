@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import GeometryWarning
 from ..finding import names
-from ..scene import Scene, Surface
+from ..scene import Scene
 from .mesh import Mesh
 from .orientation import orientation
 
@@ -59,18 +59,6 @@ def fixed_normals(scene: Scene) -> Scene:
         stacklevel=2,
     )
     surfaces = tuple(
-        _turned(surface, mesh.face[faces[mesh.surface[faces] == k]]) for k, surface in enumerate(scene.surfaces)
+        surface.turned(mesh.face[faces[mesh.surface[faces] == k]]) for k, surface in enumerate(scene.surfaces)
     )
     return replace(scene, surfaces=surfaces)
-
-
-def _turned(surface: Surface, rows: IntArray) -> Surface:
-    """A surface with some of its faces seen from the other side."""
-    if not len(rows):
-        return surface
-    faces = surface.faces.copy()
-    faces[rows, :3] = faces[rows, 2::-1] if faces.shape[1] == 3 else faces[rows][:, [2, 1, 0]]
-    if faces.shape[1] == 4:
-        quads = rows[faces[rows, 3] >= 0]
-        faces[quads] = surface.faces[quads][:, [0, 3, 2, 1]]
-    return replace(surface, faces=faces)

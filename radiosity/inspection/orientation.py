@@ -60,7 +60,8 @@ def orientation(mesh: Mesh) -> Orientation:
 
     A whole shell that lies in another is a body, and faces outwards. One that lies in none and holds something, or
     stands alone in a scene that is declared closed or whose sky is black, is a room and faces inwards. One that
-    neither holds nor lies in anything, under a sky, may be either, so that it stays.
+    neither holds nor lies in anything may be either, so that it stays: but if it faces inwards, emits nothing, and all
+    lamps are away from it, nobody would ever see it, so that it is a body.
     """
     shell, count = _shells(mesh)
     turned, sound = _turned(mesh, shell, count)
@@ -142,6 +143,7 @@ def _inside_out(
     alone = mesh.scene.closed is True or (len(closed) == len(whole) == 1 and not mesh.scene.sky.any())
     outermost = (low == low.min(axis=0)).all(axis=1) & (high == high.max(axis=0)).all(axis=1)
     room = np.zeros(len(whole), dtype=bool)
+    lamp = _emits(mesh, shell, len(whole))
     for s in closed[:MOST_SHELLS].tolist():
         around = room & (low <= low[s]).all(axis=1) & (high >= high[s]).all(axis=1)
         around[s] = False
@@ -152,4 +154,13 @@ def _inside_out(
         elif holds.any() or (alone and outermost[s]):
             room[s] = True
             result[s] = volume[s] > 0
+        elif lamp.any():
+            near = (low <= high[s]).all(axis=1) & (high >= low[s]).all(axis=1)
+            result[s] = volume[s] < 0 and not (near & lamp).any()
     return result & ~two_sided
+
+
+def _emits(mesh: Mesh, shell: IntArray, count: int) -> BoolArray:
+    """Shells with a face that emits (S,)."""
+    emits = np.array([surface.material.emission.any() for surface in mesh.scene.surfaces])[mesh.surface]
+    return np.bincount(shell[shell >= 0], emits[shell >= 0], minlength=count) > 0

@@ -140,6 +140,9 @@ class Plan:
             return ""
         return f"left out: {', '.join(item.name for item in saved)} (about {sum(item.seconds for item in saved):.2g} s)"
 
+    def __repr__(self) -> str:
+        return f"<Plan for {self.patches!r}: {self.story() or 'all is needed'}>"
+
     def __str__(self) -> str:
         made, count = int(self.rows.made.sum()), len(self.patches)
         lines = [

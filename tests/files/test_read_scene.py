@@ -38,12 +38,34 @@ def test_units(obj, unit, metres):
     assert read_scene(obj, unit=unit).surfaces[0].vertices.max() == pytest.approx(metres, rel=1e-15)
 
 
-def test_units_that_are_refused(obj, tmp_path):
+def test_a_unit_that_is_refused(obj):
     with pytest.raises(ParameterError, match="unit is 'furlong'; known are m, cm, mm, in, ft"):
         read_scene(obj, unit="furlong")
+
+
+def test_a_gltf_in_millimetres_is_not_what_its_specification_says_but_exists(tmp_path):
     write_scene(red_rug(), tmp_path / "rug.glb")
-    with pytest.raises(ParameterError, match="glTF is in metres"):
-        read_scene(tmp_path / "rug.glb", unit="mm")
+    as_said = read_scene(tmp_path / "rug.glb", unit="mm").surfaces[0].vertices
+    assert np.array_equal(as_said, 1e-3 * red_rug().surfaces[0].vertices)
+
+
+def test_a_kilometre_without_a_unit_is_asked_about(obj):
+    obj.write_text(obj.read_text().replace("10", "1010"))
+    with pytest.warns(GeometryWarning, match=r"the scene is 1,010 m long if it is in metres.*--unit mm"):
+        large = read_scene(obj)
+    assert read_scene(obj, unit="m").surfaces[0].vertices.max() == large.surfaces[0].vertices.max() == 1010.0
+    assert read_scene(obj, unit="mm").surfaces[0].vertices.max() == pytest.approx(1.01, rel=1e-15)
+
+
+def test_surfaces_that_are_turned_by_name(obj):
+    plain = read_scene(obj)
+    by_surface, by_material = read_scene(obj, turn=["wall"]), read_scene(obj, turn=["paint"])
+    assert np.array_equal(by_surface.surfaces[0].faces, plain.surfaces[0].turned().faces)
+    assert np.array_equal(by_surface.surfaces[1].faces, plain.surfaces[1].faces)
+    for turned, there in zip(by_material.surfaces, plain.surfaces, strict=True):
+        assert np.array_equal(turned.faces, there.turned().faces)
+    with pytest.raises(ParameterError, match="turn: no surface or material is named 'door'; there are 'wall'"):
+        read_scene(obj, turn=["door"])
 
 
 def test_materials_by_surface_before_material(obj):

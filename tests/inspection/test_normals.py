@@ -99,6 +99,21 @@ def test_what_may_be_meant_is_left(made):
     assert made.fixed_normals() is made
 
 
+def test_a_body_turned_in_an_open_room_is_known_by_its_darkness():
+    """Nothing tells the side of an open room; but a closed box that shows its inside, with no lamp in it, is a slip."""
+    floor = ("floor", 4 * CUBE[[0, 1, 3, 2]] - 1.5, [[0, 2, 3, 1]])
+    lamp = ("lamp", CUBE[[0, 1, 3, 2]] + [0, 0, 3.0], [[0, 1, 2, 3]], LAMP)
+    turned = scene(floor, ("box", small(), INWARD), lamp, sky=0.0)
+    assert [one.surfaces for one in findings(turned) if one.kind == "inside out"] == [("box",)]
+    with pytest.warns(GeometryWarning, match=f"6 of 8 faces {MESSAGE}: 'box'"):
+        fixed = turned.fixed_normals()
+    assert outward_share(fixed.surfaces[1], small().mean(axis=0)) == 1.0
+    assert fixed.fixed_normals() is fixed
+    reaching_in = ("lamp", small()[:4] + [0, 0, 0.1], [[0, 1, 3, 2]], LAMP)  # a lamp that may light it from inside
+    kept = scene(floor, ("box", small(), INWARD), reaching_in, sky=0.0)
+    assert kept.fixed_normals() is kept
+
+
 def test_a_moebius_strip_has_no_right_side():
     n = 12
     turn = 2 * np.pi * np.arange(n) / n
