@@ -128,9 +128,7 @@ def _listener(screen: Screen) -> Any:
         def on_start(self, _event: Any) -> None:
             if self.count == 0 and not screen.told_of_compiling:
                 screen.told_of_compiling = True
-                screen.say(
-                    "first run of its kind here: compiling kernels, which takes some 20 s and is done once"
-                )
+                screen.say("first run of its kind here: compiling kernels, which takes some 20 s and is done once")
             if self.depth == 0:
                 self.began = time.perf_counter()
             self.count += 1
