@@ -28,13 +28,16 @@ from .result import Accuracy, Trial
 
 FloatArray = NDArray[np.float64]
 
-FINE, COARSE = 0.8, 1.4  # discretisation error of patches, and of groups of four, over their gap
+FINE, COARSE = 0.75, 1.4  # discretisation error of patches, and of groups of four, over their gap
 RAYS_POWER = 0.67  # how the sampling error falls with the rays of a replicate
-AREA_POWER = 0.5  # how discretisation falls with the area of a patch
+AREA_POWER = 0.6  # how discretisation falls with the area of a patch
 SIZES = 1.2 ** np.arange(-32.0, 9.0)  # of a patch's area, which are thought of
-TYPICAL = 0.3  # sampling error of one ray in two replicates, if it fell so all the way
-FIRST = 0.6  # of the target: the sampling error that a first trial is made for
-PILOT = 1.7e-2  # targets below which the first trial's patches will hardly do, so that it has few rays
+TYPICAL_RAY = 0.3  # sampling error of one ray in two replicates in a usual scene, if it fell so all the way
+TYPICAL_PATCHES = 0.014  # discretisation error of the first patches in a usual scene
+FIRST = 0.9  # of the target: what a first trial is made for …
+LEAST_LEFT = (
+    0.5  # … if so much of the target is left for sampling; else its patches will hardly do, and few rays show it
+)
 PILOT_RAYS = 48
 LEAST_RAYS, MOST_RAYS = 16, 1 << 16  # of a replicate
 TRUNCATION = 0.02  # of the target
@@ -125,8 +128,7 @@ class _Search:
         faces = source_faces(self.scene)
         sides = int((1 + faces.two_sided).sum())
         least = sides + max(LEAST_MORE, sides // SHARE_MORE)
-        first = PILOT_RAYS if self.target < PILOT else self._typical_rays()
-        level = self._level(grid_of(faces, least), first)
+        level = self._level(grid_of(faces, least), self._typical_rays())
         answer = self._note(level, groups_only=False)
         while self._goes_on():
             choice = self._choose(level, 4 * least)
@@ -143,7 +145,7 @@ class _Search:
 
     def on(self, patches: Patches) -> Found:
         """Patches as they were asked for: only rays and bounces are chosen."""
-        level = self._level(patches.grid, self._typical_rays() // 4)
+        level = self._level(patches.grid, _even(self._typical_rays() / 4))
         answer = self._note(level, groups_only=True)
         while self._goes_on() and answer.discretisation - COARSE * level.noise < AIM * self.target:
             choice = self._choose(level, None)
@@ -160,8 +162,11 @@ class _Search:
         return self.trials[-1].total > self.target and len(self.trials) < MOST_TRIALS
 
     def _typical_rays(self) -> int:
-        """Of a replicate, for a usual scene."""
-        return _even((TYPICAL / (FIRST * self.target)) ** (1.0 / RAYS_POWER))
+        """Of a replicate, for the first trial in a usual scene."""
+        left = _beside(FIRST * self.target, TYPICAL_PATCHES)
+        if left < LEAST_LEFT * self.target:
+            return PILOT_RAYS
+        return _even((TYPICAL_RAY / left) ** (1.0 / RAYS_POWER))
 
     def _level(self, coarse: Grid, each: int) -> Level:
         """Two replicates of so many rays from the patches of a grid cut in four."""
