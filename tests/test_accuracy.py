@@ -52,6 +52,15 @@ def test_each_part_is_an_estimate_of_its_own_error():
     assert 0.8 * solution.accuracy.truncation < rest < 1.2 * solution.accuracy.truncation
 
 
+def test_channels_are_told_apart():
+    """Blue light from the sky: errors are of each channel's own light, not of the brightest first."""
+    lit = rad.scenes.window_room()
+    assert list(np.argsort(-lit.sky)) != [0, 1, 2]
+    accuracy = rad.solve(lit, accuracy=0.15).accuracy
+    assert accuracy.reached
+    assert accuracy.discretisation < 0.05
+
+
 def test_a_smaller_target_takes_more():
     one, other = (rad.solve(rad.scenes.red_rug(), accuracy=a).accuracy for a in (0.1, 0.01))
     assert other.total < 0.01 < one.total < 0.1

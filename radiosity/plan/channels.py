@@ -87,6 +87,8 @@ def find_alike(patches: Patches) -> Channels:
         else:
             source[c], scale[c] = len(solved), 1.0
             solved.append(int(c))
+    if len(solved) == count:  # in their own order, as nothing is put together
+        return all_channels(count)
     return Channels(np.array(solved), source, scale)
 
 
