@@ -99,6 +99,23 @@ def test_the_cosine_forgotten_is_the_solid_angle():
     assert right == pytest.approx(0.5541, abs=3e-3), "four times Howell's B-3 with a = b = c: the cosine makes it less"
 
 
+@pytest.mark.parametrize(("patches", "rays"), [(6, 2048), (4096, 2048), (4097, 1024), (10_000, 512), (200_000, 256)])
+def test_few_patches_get_many_rays_so_that_pictures_are_not_mottled(patches, rays):
+    assert NoCosine().rays_for(range(patches)) == rays
+    assert NoVisibility(rays=7).rays_for(range(patches)) == 7
+
+
+def test_the_default_halves_the_noise_of_fewer_rays():
+    """Of the direct light of a lamp, against many rays: error falls with the number, and the lamp is seen evenly."""
+    patches = rad.subdivide(rad.scenes.cornell_box(), patch_count=300)
+    exact = NoCosine(rays=1 << 14).exchange(patches).matrix @ patches.emission[:, 0]
+
+    def off(shortcut):
+        return np.linalg.norm(shortcut.exchange(patches).matrix @ patches.emission[:, 0] - exact)
+
+    assert off(NoCosine()) < 0.5 * off(NoCosine(rays=256))
+
+
 def plates_with_a_screen():
     """Unit squares at distance 1 with a black one-sided screen half-way, larger than both."""
     scene = rad.scenes.parallel_plates()

@@ -40,7 +40,7 @@ def cosine_plot(solved: dict[str, rad.Solution]) -> Any:
     axes.plot(angle, light, ".", markersize=3, alpha=0.5, rasterized=True)
     theta = np.linspace(0, 90, 91)
     axes.plot(theta, np.cos(np.radians(theta)), linewidth=1.5)
-    axes.annotate("cos θ", (58, 0.56), color="#ff7043", fontsize=14)
+    axes.annotate("cos θ", (68, 0.56), color="#ff7043", fontsize=14)
     axes.axvline(60, color="#9aa3ae", linewidth=0.8, linestyle="--")
     return figure
 

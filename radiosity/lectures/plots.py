@@ -42,7 +42,7 @@ def plot(x: str, y: str, *, log: str = "", title: str = "") -> tuple[Figure, Axe
 
     figure = Figure(figsize=SIZE, dpi=100, facecolor=PANEL)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.18, 0.13, 0.78, 0.77))
+    axes = figure.add_axes((0.21, 0.13, 0.75, 0.77))
     axes.set_prop_cycle(cycler(color=COLOURS))
     axes.set_facecolor(PANEL)
     axes.set_xlabel(x, color=INK, fontsize=12)

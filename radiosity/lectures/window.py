@@ -144,7 +144,8 @@ class LectureWindow(Window):
             self.say("order", "", "")
             self.bars["order"].update(1.0, 10.0, False)
         for pane, words in self.talk.titles(self.place).items():
-            self.say(pane, words, "")
+            if pane == "sum" or image is None:  # a plot says itself what it is
+                self.say(pane, words, "")
 
     def _light_beside(self, other: Series, state: ViewState) -> NDArray[np.uint8]:
         """All light of another solution on the exposure of the right pane."""

@@ -19,6 +19,8 @@ from .rays import ThroughWalls, count_shares, without_cosine
 FloatArray = NDArray[np.float64]
 
 POWER_STEPS = 60
+MOST_RAYS = 1 << 23  # of all patches together, by default: about a second
+FEWEST, MOST = 256, 2048  # of one patch
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,18 +87,25 @@ class _WrongSeries(Shortcut):
     ----------
     bounces : int
         Orders 0 … bounces are added up.
-    rays : int
-        For each patch.
+    rays : int, optional
+        For each patch; by default 2048, fewer where there are so many patches that it would take seconds.
     seed : int
     """
 
     bounces: int = 4
-    rays: int = 256
+    rays: int | None = None
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.bounces < 0 or self.rays < 1:
+        if self.bounces < 0 or (self.rays is not None and self.rays < 1):
             raise ParameterError(f"bounces is {self.bounces} and rays {self.rays}; give at least 0 and 1")
+
+    def rays_for(self, patches: Patches) -> int:
+        """How many each patch sends."""
+        if self.rays is not None:
+            return self.rays
+        affordable = MOST_RAYS // max(1, len(patches))
+        return min(max(1 << max(0, affordable.bit_length() - 1), FEWEST), MOST)
 
     def exchange(self, patches: Patches, threads: int | None = None) -> WrongExchange:
         """The wrong exchange of some patches."""
@@ -138,7 +147,7 @@ class NoCosine(_WrongSeries):
     def exchange(self, patches: Patches, threads: int | None = None) -> WrongExchange:
         """Solid angles over π, by rays uniform over the hemisphere with a weight of 2 each."""
         follow = without_cosine(patches, Tracer(patches.grid))
-        matrix, missed, backs = count_shares(patches, self.rays, self.seed, follow, threads)
+        matrix, missed, backs = count_shares(patches, self.rays_for(patches), self.seed, follow, threads)
         to_sky = np.zeros(len(patches)) if patches.closed else 2.0 * missed
         return WrongExchange(self.name, csr_array(2.0 * matrix), to_sky, 2.0 * backs)
 
@@ -163,6 +172,6 @@ class NoVisibility(_WrongSeries):
 
     def exchange(self, patches: Patches, threads: int | None = None) -> WrongExchange:
         """Unoccluded form factors, by rays that go through everything."""
-        matrix, _, backs = count_shares(patches, self.rays, self.seed, ThroughWalls(patches), threads)
+        matrix, _, backs = count_shares(patches, self.rays_for(patches), self.seed, ThroughWalls(patches), threads)
         to_sky = np.zeros(len(patches)) if patches.closed else np.ones(len(patches))
         return WrongExchange(self.name, matrix, to_sky, backs)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from .. import display
 from ..shortcuts import ALL, WRONG, Shortcut
 from .overlay import HERE, INK, PANEL, Raster, Words
+from .palette import STRONG
 from .state import coloured
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .window import Window
 
 EQUATION_DPI = 220
-LINE = 62  # letters
+EQUATION = (0.2, 0.2, 0.62, 0.8)  # its box in the pane of the title
 FULL_SCALE = 1.0  # relative difference at which the colours are full
 
 
@@ -37,7 +37,7 @@ class Compare:
         self.window = window
         heading, _ = window.titles["order"]
         self.heading: Words = heading
-        self.equation = Raster(window.bars["order"].renderer, (0.19, 0.2, 0.62, 0.8), smooth=True)
+        self.equation = Raster(window.bars["order"].renderer, EQUATION, smooth=True)
 
     @property
     def shortcut(self) -> Shortcut:
@@ -64,7 +64,8 @@ class Compare:
         window, state = self.window, self.window.state
         shown = state.left == "wrong"
         self.heading.colour(HERE if shown else INK)
-        self.equation.show(equation_image(self.shortcut.equation) if shown else None)
+        ground = STRONG[PANEL] if state.projector else PANEL
+        self.equation.show(equation_image(self.shortcut.equation, ground) if shown else None)
         if not shown:
             return
         if state.difference:
@@ -83,15 +84,15 @@ class Compare:
         legend = f"blue: too dark; orange: too bright; full colour at ±{FULL_SCALE:.0%}"
         return [
             f"{WRONG}: {self.shortcut.name} · off by {typical:.0%} on average",
-            *textwrap.wrap(self.shortcut.sentence, LINE),
+            self.shortcut.sentence,
             *([legend] if self.window.state.difference else []),
         ]
 
 
 @functools.lru_cache(maxsize=16)
-def equation_image(mathtext: str) -> NDArray[np.uint8]:
-    """An equation typeset by matplotlib, as pixels (height, width, 3) without a margin."""
-    figure = Figure(figsize=(8.0, 1.2), dpi=EQUATION_DPI, facecolor=PANEL)
+def equation_image(mathtext: str, ground: str = PANEL) -> NDArray[np.uint8]:
+    """An equation typeset by matplotlib on a ground, as pixels (height, width, 3) without a margin."""
+    figure = Figure(figsize=(8.0, 1.2), dpi=EQUATION_DPI, facecolor=ground)
     canvas = FigureCanvasAgg(figure)
     figure.text(0.5, 0.5, mathtext, color=INK, fontsize=18, ha="center", va="center")
     canvas.draw()

@@ -17,6 +17,7 @@ FloatArray = NDArray[np.float64]
 Ticks = tuple[tuple[float, str], ...]
 
 MOST_DECADES = 8
+MOST_BOUNCES = 11  # that are numbered along the axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +76,7 @@ def power_curves(series: Series, state: ViewState) -> Curves:
         light = display.luminance(series.orders[:, state.picked].astype(np.float64))
         if light.max() > 0.0:  # its shape, lifted to the top of the plot
             curves.append(_logarithmic(place, light * (10.0**high / light.max()), low, high, INK))
-    shown = range(0, len(power), max(1, round((len(power) - 1) / 10)))
+    shown = range(0, len(power), -(-len(power) // MOST_BOUNCES))
     unit = "lm" if state.photometric else "W"
     of_patch = " (white: of the patch)" if state.picked >= 0 else ""
     return Curves(

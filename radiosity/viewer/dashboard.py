@@ -50,6 +50,9 @@ class Slider:
         )  # fmt: skip
         self.quiet = False
         self.look = self.widget.GetRepresentation()
+        for end, x in ((self.look.GetPoint1Coordinate(), left), (self.look.GetPoint2Coordinate(), left + WIDTH)):
+            end.SetCoordinateSystemToNormalizedViewport()  # so that it goes where the dashboard goes
+            end.SetValue(x, height, 0.0)
         self.look.ShowSliderLabelOff()
         self.look.GetSliderProperty().SetColor(pv.Color(INK).float_rgb)
         self.look.SetSliderLength(0.012)

@@ -211,7 +211,7 @@ class Inspector:
         view = self.window.model.hemicube(patch)
         colours, low, high = factor_colours(view.row(len(self.patches)))
         window.panes["order"].draw(window.series, window.state, colours)
-        window.say("order", "F[i, ·]", f"form factors from patch {patch}, {view.resolution}² hemicube")
+        window.say("order", "F[i, ·]", f"of patch {patch}, by {view.resolution}² hemicube")
         window.bars["order"].update(low, high, True, "")
 
     def _outline(self, name: str, patch: int) -> None:

@@ -267,7 +267,7 @@ class ScaleBar:
     steps = 64
 
     def __init__(self, renderer: pv.Renderer, box: tuple[float, float, float, float]) -> None:
-        self.renderer, self.box = renderer, box
+        self.renderer, self.box, self.shown = renderer, box, False
         self.strip = Shapes(renderer)
         left, bottom, right, top = box
         edges = np.linspace(left, right, self.steps + 1)
@@ -277,6 +277,7 @@ class ScaleBar:
 
     def update(self, low: float, high: float, visible: bool, unit: str = "W/m²") -> None:
         """Show a logarithmic scale, or nothing."""
+        self.shown = visible
         self.strip.show(visible)
         left, bottom, right, _ = self.box
         ticks = display.scale_ticks(low, high, logarithmic=True)[: len(self.words)] if visible else []

@@ -20,7 +20,7 @@ INSTALL = (
 )
 INSTEAD = (
     "Without one there are pictures (`radiosity view SCENE --screenshot FILE`, solution.save('picture.png')) and pages "
-    "for a browser (`radiosity export SCENE -o FILE.html`, `radiosity lecture NAME -o FILE.html`);"
+    "for a browser (`radiosity export SCENE -o FILE.html`, `radiosity lecture NAME -o FILE.html`); "
     "over ssh, try `ssh -X`."
 )
 DRAW = """

@@ -8,6 +8,7 @@ from .. import display
 from .overlay import Raster
 from .race import Frame, Race
 from .state import PANES, Pane, coloured
+from .status import put_in
 
 if TYPE_CHECKING:
     from .window import Window
@@ -63,11 +64,11 @@ class RacePane:
         frame, patches = self.frame, self.window.solution.patches
         names = [patches.surface_names[patches.surface[patch]] for patch in (frame.row, frame.column)]
         unit = "lm" if self.window.state.photometric else "W"
-        emitted = float(self.window.series.power[0].sum()) or 1.0
+        given, called = put_in(self.window.solution)
         return [
             f"gathering (Gauss–Seidel): patch {frame.row} of {names[0]} takes in one row",
             f"shooting (Southwell): patch {frame.column} of {names[1]} sends one column",
-            f"unshot power {frame.unshot_power:.3g} {unit}, {frame.unshot_power / emitted:.1%} of the emitted",
+            f"unshot power {frame.unshot_power:.3g} {unit}, {frame.unshot_power / (given or 1.0):.1%} of {called}",
             f"still missing: gathering {frame.missing_gathered:.1%}, shooting {frame.missing_shot:.1%}",
             "the same work in both panes · space plays, → goes on",
         ]

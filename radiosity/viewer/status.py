@@ -13,6 +13,7 @@ from .inspect import numbers, patch_lines
 from .titles import in_words, units
 
 if TYPE_CHECKING:
+    from ..balance import PowerBalance
     from ..form_factors import FormFactors
     from ..solution import Solution
     from .dome_reading import DomeReading
@@ -41,8 +42,8 @@ def lines(window: Window) -> list[str]:
 def overview(window: Window) -> list[str]:
     """The bounce, where all power goes, how sure that is, and how it is shown."""
     state, series, solution = window.state, window.series, window.solution
-    emitted = float(series.power[0].sum()) or 1.0
     total = float(series.power[: state.order + 1].sum())
+    given, called = put_in(solution)
     shown = [
         "Reinhard" if state.tone == "reinhard" else "linear",
         "smooth" if state.smooth else "flat",
@@ -57,7 +58,7 @@ def overview(window: Window) -> list[str]:
     changed = [f"changed: {changes_in_words(state.changes)}"] if state.changes else []
     return [
         f"k = {state.order}: {in_words(state.order)}, {watts(series.power[state.order], state.photometric)}",
-        f"all so far: {total / emitted:.3f} × the emitted power",
+        f"all so far: {total / (given or 1.0):.3f} × {called}",
         balance_line(solution),
         *verdict_lines(window),
         *changed,
@@ -66,11 +67,23 @@ def overview(window: Window) -> list[str]:
 
 
 @functools.lru_cache(maxsize=2)
+def balance_of(solution: Solution) -> PowerBalance:
+    """Where all the power goes; worked out once."""
+    return solution.balance
+
+
+def put_in(solution: Solution) -> tuple[float, str]:
+    """Power of all lamps, and of the sky where it reaches the scene, W, and what to call it."""
+    balance = balance_of(solution)
+    name = "the power put in" if balance.from_sky.any() else "the emitted power"
+    return float(balance.put_in.sum()), name
+
+
 def balance_line(solution: Solution) -> str:
-    """Where all the power goes."""
-    balance = solution.balance
-    put_in = float(balance.put_in.sum()) or 1.0
-    kept, gone = float(balance.absorbed.sum()) / put_in, float(balance.to_sky.sum()) / put_in
+    """Where all the power goes, in words."""
+    balance = balance_of(solution)
+    given = put_in(solution)[0] or 1.0
+    kept, gone = float(balance.absorbed.sum()) / given, float(balance.to_sky.sum()) / given
     return f"absorbed {kept:.1%}, escaped {gone:.1%}, energy defect {balance.defect:+.2%}".replace("-", "−")
 
 

@@ -15,6 +15,7 @@ from ..camera import Camera, presets
 from ..errors import RadiosityError
 from . import probe
 from .commands import COMMANDS, Command
+from .compare import EQUATION
 from .dashboard import Dashboard
 from .drawing import Drawing
 from .figures import save_image
@@ -288,15 +289,27 @@ class Window:
         for words in self.all_words():
             words.scale(self.word_scale())
             words.contrast(strong)
-        for heading, words in self.titles.values():  # side by side
-            width = self.plotter.render_window.GetSize()[0] * (1.0 - self.side) / 2.0
-            words.scale(self.word_scale(), 0.9 * width - heading.width(heading.size * self.word_scale()))
+        width = self.plotter.render_window.GetSize()[0] * (1.0 - self.side) / 2.0
+        for pane, (heading, words) in self.titles.items():
+            between = self._between(pane)
+            if between:
+                heading.scale(self.word_scale(), (between[0] - 0.06) * width)
+                words.scale(self.word_scale(), (0.94 - between[1]) * width)
+            else:
+                heading.scale(self.word_scale())
+                words.scale(self.word_scale(), 0.9 * width - heading.width(heading.size * self.word_scale()))
         for words in (
             self.keys_list.words if self.state.help else ()
         ):  # the list of keys fills its layer whatever the type
             words.scale(self.word_scale() * (LARGEST / PROJECTOR_SCALE if strong else 1.0))
             words.contrast(strong)
         self.dashboard.scale(self.word_scale())
+
+    def _between(self, pane: Pane) -> tuple[float, float] | None:
+        """Ends of what stands between the words above a pane, in shares of its width."""
+        if self.bars[pane].shown:
+            return self.bars[pane].box[::2]
+        return EQUATION[::2] if pane == "order" and self.state.left == "wrong" else None
 
     def _place_rows(self) -> None:
         """Give titles, panes and dashboard their share of the height."""
@@ -315,6 +328,8 @@ class Window:
             title.SetBackground(background)
         self.dashboard.renderer.SetViewport(self.side, 0.0, 1.0, rows[2])
         self.dashboard.renderer.SetBackground(background)
+        for slider in self.dashboard.sliders.values():
+            slider.look.Modified()  # it does not notice by itself that its ground has moved
 
     def all_words(self) -> list[Words]:
         """Every text of the window whose size does not depend on how much is said, but for the list of keys."""

@@ -5,6 +5,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.lectures import Place, Talk, bounces, find, mean, on
+from radiosity.lectures.pinhole import GOAL, races
 
 SMALL = 350
 
@@ -102,7 +103,24 @@ def test_pinhole(numbers) -> None:
     hole = said["talk"].solutions["hole"]
     power = np.einsum("n,kn->k", hole.patches.area, bounces(hole)[..., 0])
     np.testing.assert_allclose(power[2:] / power[1:-1], 0.9, rtol=1e-6)
-    assert int(said["conjugate"]) * 5 < int(said["gauss_seidel"]) < int(said["neumann"])
+    assert said["ConjugateGradient"] * 4 < said["Shooting"] < said["GaussSeidel"] <= said["Neumann"] + 2
+
+
+def test_a_race_ends_at_the_goal_and_counts_every_product(numbers) -> None:
+    """Against each solver's own account of a solve to the residual that it had at the goal."""
+    hole = numbers("pinhole")["talk"].solutions["hole"]
+    T = rad.TransportOperator(hole.factors, hole.patches)
+    truth = rad.Direct().solve(T, hole.emission).radiosity
+    for name, run in races(hole).items():
+        assert run.error[-1] <= GOAL < run.error[-2]
+        assert np.all(np.diff(run.products) > 0)
+        assert np.all(np.diff(run.seconds) > 0)
+        steps = 4 * (len(run.error) - 1) if name == "ConjugateGradient" else len(run.error) - 1
+        result = getattr(rad, name)(rtol=0.0, maxiter=steps).solve(T, hole.emission)
+        counted = result.statistics["solver/products"] + result.statistics.get("solver/shots", 0) / len(hole.patches)
+        assert run.products[-1] == pytest.approx(counted, abs=1)
+        error = T.norm(result.radiosity - truth)[0] / T.norm(truth - hole.emission)[0]
+        assert run.error[-1] == pytest.approx(error, rel=1e-3)
 
 
 def test_shortcuts(numbers) -> None:

@@ -15,6 +15,8 @@ import radiosity as rad
 from radiosity.errors import DisplayError
 from radiosity.viewer import view
 from radiosity.viewer.commands import COMMANDS
+from radiosity.viewer.compare import EQUATION
+from radiosity.viewer.dashboard import RAISE
 from radiosity.viewer.state import picture
 from radiosity.viewer.window import Window
 from tests.viewer.test_state import a_state_in_which_every_key_does_something
@@ -74,6 +76,48 @@ def test_both_panes_show_the_state(window: Window) -> None:
     assert "×" not in window.titles["order"][1].actor.GetInput()
     press(window, "n")
     assert window.titles["order"][1].actor.GetInput().startswith("×")
+
+
+def ends(actor, renderer) -> tuple[float, float]:
+    """Left and right end of words, in pixels of their pane."""
+    box = [0.0] * 4
+    actor.GetBoundingBox(renderer, box)
+    x = actor.GetPositionCoordinate().GetComputedViewportValue(renderer)[0]
+    return x + box[0], x + box[1]
+
+
+@pytest.mark.parametrize("projector", [False, True])
+@pytest.mark.parametrize("shown", [{"left": "factors", "picked": 40}, {"false_colour": True}, {"left": "wrong"}])
+def test_words_above_a_pane_leave_room_for_what_stands_between(solution: rad.Solution, shown, projector) -> None:
+    window = Window(solution, off_screen=True, size=(900, 600), projector=projector, **shown)
+    window.plotter.render()
+    heading, words = (each.actor for each in window.titles["order"])
+    renderer = window.title_renderers["order"]
+    left, _, right, _ = window.bars["order"].box if window.bars["order"].shown else EQUATION
+    assert ends(heading, renderer)[1] < left * renderer.GetSize()[0]
+    assert ends(words, renderer)[0] > right * renderer.GetSize()[0]
+    window.close()
+
+
+def test_sliders_go_where_their_words_go(window: Window) -> None:
+    """The dashboard is higher for a projector."""
+    for _ in range(2):
+        for slider in window.dashboard.sliders.values():
+            renderer = window.dashboard.renderer
+            line = slider.look.GetPoint1Coordinate().GetComputedViewportValue(renderer)[1]
+            words = slider.words.actor.GetPositionCoordinate().GetComputedViewportValue(renderer)[1]
+            assert words - line == pytest.approx(RAISE * renderer.GetSize()[1], abs=2)
+        window.press("p")
+
+
+def test_light_of_the_sky_counts_as_power_that_is_put_in() -> None:
+    """Nothing emits in a room with a window; yet what its walls pass on is measured against something."""
+    room = rad.solve(rad.scenes.window_room(), patch_count=100, estimator=rad.MonteCarlo(rays=64), bounces=3)
+    window = Window(room, off_screen=True, size=(640, 400), order=2)
+    said = window.dashboard.status.actor.GetInput().replace("\n", " ")
+    share = room.power[:3].sum() / room.balance.put_in.sum()
+    assert f"all so far: {share:.3f} × the power put in" in said
+    window.close()
 
 
 def test_every_step_reaches_the_screen(solution: rad.Solution) -> None:

@@ -75,7 +75,7 @@ function panes() {
 function titleOf(pane) {
   const { k } = state, own = state.titles[pane === "order" ? 0 : 1];
   const [heading, note] = pane === "order" ? leftTitle() : [`Σ<sub>j = 0…${k}</sub> T<sup>j</sup> L<sub>e</sub>`, exposureNote("sum")];
-  return own && (pane === "sum" || state.left !== "wrong") ? [escaped(own), ""] : [heading, note];
+  return own && (pane === "sum" || !["wrong", "figure"].includes(state.left)) ? [escaped(own), ""] : [heading, note];
 }
 const escaped = (text) => text.replace(/[&<>]/g, (letter) => `&#${letter.charCodeAt(0)};`);
 

@@ -27,7 +27,7 @@ function drawPower(svg, power, k, patch) {
     element(svg, "line", { x1: BOX.left, x2: BOX.right, y1: y(10 ** n), y2: y(10 ** n), stroke: "#4a525d", "stroke-width": 0.5 });
     element(svg, "text", { x: BOX.left - 5, y: y(10 ** n) + 4, "text-anchor": "end" }, powerOfTen(n));
   }
-  const step = Math.max(1, Math.round(count / 11));
+  const step = Math.ceil(count / 11);
   for (let j = 0; j < count; j += step) element(svg, "text", { x: bounceX(j, count), y: 174, "text-anchor": "middle" }, j);
   element(svg, "text", { x: (BOX.left + BOX.right) / 2, y: 188, "text-anchor": "middle" }, "bounce k");
   element(svg, "line", { x1: bounceX(k, count), x2: bounceX(k, count), y1: BOX.top, y2: BOX.bottom, stroke: "#ff7043", "stroke-width": 2 });
