@@ -15,7 +15,6 @@ import radiosity as rad
 from radiosity.lectures import Lecture, Step, bounces, legend, plot, with_orders
 
 HOLE = 0.3  # m, the side of the square hole
-ROOM_1 = ("floor_1", "ceiling_1", "back_wall_1", "front_wall_1", "left_wall", "lamp")
 BOUNCES = 60
 GOAL = 1e-6  # error at which the race ends
 SOLVERS = (rad.Neumann, rad.Shooting, rad.GaussSeidel, rad.ConjugateGradient)

@@ -11,8 +11,6 @@ import radiosity as rad
 from radiosity.lectures import Lecture, Step, bounces, mean, on, plot
 from radiosity.lectures.plots import legend
 
-SURFACES = ("back_wall", "ceiling", "floor")
-
 
 def solve(patch_count: int = 5_000) -> dict[str, rad.Solution]:
     """The room with its red rug, and the same room with a rug as white as the walls."""

@@ -141,12 +141,6 @@ def split_rows(subjects: Sequence[Subject], references: Sequence[Reference], row
     return found
 
 
-def discretisation_exponent(rows: Sequence[Record]) -> Exponent | None:
-    """How the discretisation error falls with the number of patches; None where it is lost in the reference's noise."""
-    known = [row for row in rows if row["discretisation"] > 2 * row["known to"]]
-    return exponent(_column(known, "patches"), _column(known, "discretisation"))
-
-
 def bounce_rows(records: Iterable[Record]) -> list[Record]:
     """Medians by number of bounces, with and without the geometric tail."""
     rows = []
