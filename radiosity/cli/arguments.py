@@ -105,7 +105,9 @@ def _add_accuracy(parser: argparse.ArgumentParser) -> None:
 
 def _add_form_factors(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
-        "--method", choices=METHODS, help="two-levels: for 100 000 patches and more (default: monte-carlo)"
+        "--method",
+        choices=METHODS,
+        help="two-levels: for very many patches (default: monte-carlo, or two-levels from 50 000 where as good)",
     )
     group.add_argument("--rays", type=count, metavar="R", help="rays a patch (default: 256; two-levels: 128)")
     group.add_argument("--light-rays", type=natural, metavar="R", help="shadow rays between a patch and a lamp's face")
@@ -152,12 +154,13 @@ def solve_settings(args: argparse.Namespace) -> dict[str, Any]:
     if args.accuracy is not None:
         return _accuracy_settings(args)
     given = {option: value for option in ONLY_FOR if (value := getattr(args, option)) is not None}
+    asked = args.method is not None or bool(given)
     if method == "monte-carlo" and given.get("rays", RAYS) % REPLICATES == 0:
         given.setdefault("replicates", REPLICATES)  # as `rad.solve` does, for the certificate's sake
     return {
         "patch_count": args.patches,
         "patch_size": args.patch_size,
-        "estimator": getattr(rad, METHODS[method])(**given),
+        "estimator": getattr(rad, METHODS[method])(**given) if asked else None,
         "solver": None if args.rtol is None else rad.Neumann(rtol=args.rtol),
         "bounces": args.bounces,
         "threads": args.threads,

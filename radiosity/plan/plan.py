@@ -17,6 +17,7 @@ from ..form_factors.estimate import Estimator
 from ..form_factors.some_rows import RowChoice
 from ..patches import Patches
 from ..solvers import ConjugateGradient, Neumann, Solver
+from . import two_levels
 from .channels import Channels, all_channels, find_alike
 from .reach import Reach, reach
 
@@ -27,7 +28,6 @@ REPLICATES = 2  # the fewest that tell how wrong they are
 RTOL = 1e-6
 SMALL = 1e-3  # absorptance below which float32 weights, off by 1e-7, move the answer by more than 1e-4
 MANY_BOUNCES = 1000  # beyond which conjugate gradients on conserved factors take less
-TWO_LEVELS = 20_000  # patches above which a two-level operator wins
 RAY_SECONDS = 1.2e-7  # of one processor: made, traced, counted
 TREE_SHARE = 0.4  # of that in a tree, which a convex room does not need
 PRODUCT_SECONDS = 1e-9  # an entry and channel
@@ -188,9 +188,15 @@ def make_plan(
     -------
     Plan
     """
+    free = estimator is None
     estimator = MonteCarlo(rays=RAYS, replicates=REPLICATES) if estimator is None else estimator
     rows_at_will = rows_at_will and not isinstance(estimator, TwoLevel)
     found = _Found(patches, bounces, solver, threads, leave_out, rows_at_will)
+    free = free and leave_out and rows_at_will and isinstance(solver or Neumann(), Neumann)
+    if free and two_levels.serve(patches, found.least_absorbed, found.rows(solver or Neumann()).made):
+        estimator = TwoLevel()
+        found = _Found(patches, bounces, solver, threads, leave_out, at_will=False)
+        found.levels_chosen = True
     few = solver is None and bounces is None and found.bounces_expected > MANY_BOUNCES
     chosen = (ConjugateGradient(rtol=rtol) if few else Neumann(rtol=rtol)) if solver is None else solver
     if dtype is None:
@@ -218,6 +224,7 @@ class _Found:
     ) -> None:
         self.patches, self.bounces, self.threads, self.leave_out = patches, bounces, threads, leave_out
         self.solver_given = solver is not None
+        self.levels_chosen = False
         nothing = np.zeros(len(patches), dtype=bool)
         self.reach = reach(patches) if leave_out and at_will else Reach(nothing, nothing, nothing)
         self.black = ~(patches.reflectance > 0).any(axis=1) & leave_out & at_will
@@ -253,7 +260,7 @@ def _items(plan: Plan, found: _Found) -> Iterator[Item]:
     yield _first_order(plan)
     yield Item("tail", True, f"bounces after the light has fallen to {plan.solver.rtol:g} of the source")
     yield from _stiffness(plan, found)
-    yield _levels(plan)
+    yield _levels(plan, found)
     yield _digits(plan, found)
     yield _imports(plan)
 
@@ -340,13 +347,21 @@ def _stiffness(plan: Plan, found: _Found) -> Iterator[Item]:
     yield Item("conserved factors", True, f"raw ones serve absorptances as here ({found.least_absorbed:.3g} and more)")
 
 
-def _levels(plan: Plan) -> Item:
-    count = len(plan.patches)
+def _levels(plan: Plan, found: _Found) -> Item:
+    count, least = len(plan.patches), two_levels.LEAST
+    if found.levels_chosen:
+        one = replace(plan, estimator=MonteCarlo(rays=RAYS, replicates=REPLICATES))
+        seconds, size = (count * part for part in _row_cost(one, found.threads))
+        story = (
+            f"{count:,} patches: instead of one matrix, as good from {least:,} on, but without a standard error of its "
+            f"own, which {one.estimator} has"
+        )
+        return Item("two levels", False, story, two_levels.SAVED_SECONDS * seconds, two_levels.SAVED_BYTES * size)
     if isinstance(plan.estimator, TwoLevel):
         return Item("two levels", False, "as was asked for")
-    if count <= TWO_LEVELS:
+    if count < least:
         return Item("two levels", True, f"{count:,} patches fit into one matrix")
-    return Item("two levels", False, f"{count:,} patches are many for one matrix: TwoLevel() would take less")
+    return Item("two levels", True, f"{count:,} patches are in one matrix, as was asked for or as this scene needs")
 
 
 def _digits(plan: Plan, found: _Found) -> Item:

@@ -34,6 +34,7 @@ FloatArray = NDArray[np.float64]
 SCENES = {"cornell": rad.scenes.cornell_box, "cluttered": lambda: rad.scenes.cluttered_room(60)}
 METHODS = {
     "plain 128": lambda seed: rad.MonteCarlo(128, seed, light_rays=64),
+    "default": lambda seed: rad.MonteCarlo(256, seed, replicates=2),
     "plain 512": lambda seed: rad.MonteCarlo(512, seed, light_rays=256),
     "two levels": lambda seed: rad.TwoLevel(seed=seed),
     "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=2048, seed=seed),

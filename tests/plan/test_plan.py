@@ -9,6 +9,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.errors import FormFactorError
+from radiosity.plan import make_plan, two_levels
 from radiosity.plan.channels import find_alike
 from radiosity.scenes.build import room
 from tests.plan.scenes import GREY, LAMP, black_dome, flat, nested_boxes, thin_walls, two_flats
@@ -207,7 +208,49 @@ def test_the_sky_of_a_closed_scene():
 
 def test_small_scenes_need_one_level():
     assert planned(rad.scenes.furnace())["two levels"].left_out
-    assert not rad.plan(rad.scenes.furnace(), patch_count=24_000, estimator=rad.MonteCarlo(2))["two levels"].left_out
+    assert not rad.plan(rad.scenes.furnace(), patch_count=54, estimator=rad.TwoLevel())["two levels"].left_out
+
+
+def test_two_levels_are_taken_where_they_are_as_good():
+    many, few = (rad.subdivide(rad.scenes.cornell_box(), patch_count=count) for count in (51_000, 49_000))
+    plan = make_plan(many)
+    item = plan["two levels"]
+    assert isinstance(plan.estimator, rad.TwoLevel)
+    assert (item.left_out, item.seconds > 0, item.bytes > 0) == (False, True, True)
+    assert "patches: instead of one matrix, as good from 50,000 on, but without a standard error" in str(plan)
+    assert isinstance(make_plan(few).estimator, rad.MonteCarlo)
+    asked = rad.MonteCarlo(256, replicates=2)
+    assert make_plan(many, asked).estimator is asked
+    for settings in ({"leave_out": False}, {"rows_at_will": False}, {"solver": rad.Shooting()}):
+        assert isinstance(make_plan(many, **settings).estimator, rad.MonteCarlo)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        two_flats(),  # half of it dark
+        rad.scenes.open_rug(),
+        rad.scenes.furnace(),  # no lamp: everything shines
+        rad.scenes.furnace(absorptance=1e-3),
+    ],
+)
+def test_two_levels_are_not_taken_where_nothing_speaks_for_them(scene, monkeypatch):
+    monkeypatch.setattr(two_levels, "LEAST", 1000)
+    patches = rad.subdivide(scene, patch_count=1500)
+    assert isinstance(make_plan(patches).estimator, rad.MonteCarlo)
+
+
+def test_two_levels_that_were_chosen_give_the_same_light(monkeypatch):
+    scene = rad.scenes.cornell_box()
+    one = rad.solve(scene, patch_count=2000)
+    monkeypatch.setattr(two_levels, "LEAST", 1000)
+    two = rad.solve(scene, patch_count=2000)
+    assert isinstance(two.factors.estimator, rad.TwoLevel)
+    found, true = (solution.radiosity - solution.emission for solution in (two, one))
+    area = one.patches.area[:, None]
+    apart = np.sqrt((area * (found - true) ** 2).sum() / (area * true**2).sum())
+    assert 0.0 < apart < 0.03
+    assert isinstance(rad.solve(scene, patch_count=2000, leave_out=False).factors.estimator, rad.MonteCarlo)
 
 
 def test_emitters_give_the_first_order_alone():
