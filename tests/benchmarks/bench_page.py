@@ -2,8 +2,8 @@
 
     python -m tests.benchmarks.bench_page            10 000 and 100 000 patches, eleven orders, in headless Chromium
 
-A step is a change of the state, the words and curves beside the picture, the upload of the light and its drawing, read
-back so that nothing is left waiting.
+A step is a change of the bounce: the state, the words and curves beside the picture, the light and its drawing, read
+back so that nothing is left waiting. A turn moves the camera instead, so that all patches are drawn anew.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ import radiosity as rad
 from radiosity.viewer import page
 from tests.viewer.browser import Browser
 
-STEPS = """(() => {
+TIMES = """((act) => {
     const gl = viewer.painter.gl, times = [], pixel = new Uint8Array(4);
     for (let i = 0; i < 33; i++) {
         const begin = performance.now();
-        viewer.set({ k: i % 11 });
+        act(i);
         viewer.draw();
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
         times.push(performance.now() - begin);
     }
     return times;
-})()"""
+})"""
+ACTS = {"step": "(i) => viewer.set({ k: i % 11 })", "turn": "() => turn(1, 0)"}
 
 
 def main(counts: list[int]) -> None:
@@ -41,12 +42,11 @@ def main(counts: list[int]) -> None:
             size = file.stat().st_size / 1024
             for show in ("sum", "both"):
                 browser.open(file, f"#show={show}")
-                times = browser.run(STEPS)
-                quarter, middle, most = np.percentile(times[11:], [25, 50, 95])
-                print(
-                    f"{patches:>7} patches, {size:6.0f} KiB, panes: {show:<4}  "
-                    f"{middle:5.1f} ms a step (quarter {quarter:.1f}, 95 % {most:.1f})"
-                )
+                said = f"{patches:>7} patches, {size:6.0f} KiB, panes: {show:<4}"
+                for name, act in ACTS.items():
+                    quarter, middle, most = np.percentile(browser.run(f"{TIMES}({act})")[11:], [25, 50, 95])
+                    said += f"   {middle:5.1f} ms a {name} (quarter {quarter:.1f}, 95 % {most:.1f})"
+                print(said)
         browser.close()
 
 
