@@ -8,16 +8,25 @@ from PIL import Image
 
 import radiosity as rad
 from radiosity.viewer.dome import Dome
+from radiosity.viewer.dome_pane import OUT
+from radiosity.viewer.palette import CHANNEL_COLOURS, GATHERING, HERE, OTHER, SHOOTING
 from radiosity.viewer.window import Window
 
 FOLDER = Path(__file__).parent
 SIZE = (1120, 630)
+LINES = (*CHANNEL_COLOURS, HERE, OTHER, OUT, GATHERING, SHOOTING)
+STRIP = 8  # rows of each of them, for the choice of colours
 
 
 def save(window: Window, name: str) -> None:
-    """Few colours keep the files small."""
-    picture = Image.fromarray(window.image()).quantize(200, dither=Image.Dither.NONE)
-    picture.save(FOLDER / f"{name}.png", optimize=True)
+    """Few colours keep the files small; those of thin lines are among them, however few pixels they have."""
+    picture = Image.fromarray(window.image())
+    kept = Image.new("RGB", (picture.width, picture.height + STRIP * len(LINES)))
+    for number, colour in enumerate(LINES):
+        kept.paste(colour, (0, STRIP * number, picture.width, STRIP * (number + 1)))
+    kept.paste(picture, (0, STRIP * len(LINES)))
+    palette = kept.quantize(256)
+    picture.quantize(palette=palette, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
 
 
 def main() -> None:
