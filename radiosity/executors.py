@@ -78,9 +78,16 @@ class Crew:
         self.executor = ProcessPoolExecutor(**settings, initargs=getattr(broken, "_initargs", ()))
 
     def close(self) -> None:
-        """End a pool that was put in place of a broken one; leave alone what was given."""
-        if self.executor is not self._given:
-            self.executor.shutdown(wait=True, cancel_futures=True)
+        """End a pool that was put in place of a broken one; leave alone what was given.
+
+        Its workers are ended first: one that died unseen may hold the lock of the queue from which the others would
+        hear that they may go, and they would be waited for in vain.
+        """
+        if self.executor is self._given:
+            return
+        for process in list((getattr(self.executor, "_processes", None) or {}).values()):
+            process.terminate()
+        self.executor.shutdown(wait=True, cancel_futures=True)
 
 
 @dataclass
