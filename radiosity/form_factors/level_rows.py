@@ -14,7 +14,7 @@ from scipy.sparse import csr_array, diags_array, hstack
 from ..parallel import blocks, ordered_map
 from ..patches import Patches
 from ..progress import Progress
-from ..rays import Tracer
+from ..rays import BACK, MISS, Tracer
 from ..sequences import BITS_TO_UNIT, seed_key, sobol_points
 from ..sparse import csr_matmul
 from .assembly import Float, RowBlock, Rows, count_hits, stack_rows
@@ -103,6 +103,7 @@ class Work:
         runs = seed_key(self.method.seed, COARSE), seed_key(self.method.seed, FINE)
         points = {int(rays): _points(int(rays), runs[0]) for rays in np.unique(receivers.rays[:corners])}
         points_alone = _points(self.method.rays, runs[1])
+        sender = np.append(senders.of_patch, np.array([BACK, MISS], dtype=np.int32))  # from its end: -2 and -1
 
         def rows(span: tuple[int, int]) -> RowBlock:
             begin, end = span
@@ -112,8 +113,7 @@ class Work:
             else:
                 some = receivers.patch[begin - corners : end - corners]
                 made = cosine_rays(self.of_patches, some, rays, points_alone, runs[1])
-            hits = self.tracer.run(*made)
-            met = np.where(hits >= 0, senders.of_patch[hits], hits)
+            met = sender.take(self.tracer.run(*made))
             lengths, indices, counts, to_sky, to_backs = count_hits(met, end - begin, len(senders))
             block = RowBlock(begin, lengths, indices, counts, to_sky, to_backs)
             return block.finished(float(rays), dtype)
