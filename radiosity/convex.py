@@ -138,4 +138,4 @@ def _meet(origins, directions, planes, begin, faces, frames, table, out):  # typ
                 depth = min(depth, 1.0 - p - q)
             if depth > deepest:
                 deepest, face, a, b = depth, f, p, q
-        out[r] = table.front[face] + cell_at(table, face, False, a, b)
+        out[r] = table.front[face] + cell_at(table, face, a, b)

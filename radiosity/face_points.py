@@ -96,13 +96,24 @@ def _skew(along: FloatArray, across: FloatArray, opposite: FloatArray) -> FloatA
     return skew
 
 
+def to_affine(table: FaceTable, face: IntArray, second_half: NDArray[np.bool_]) -> FloatArray:
+    """How Embree's coordinates on triangles (T,) of these faces become those of the faces' affine frames.
+
+    (T, 6), as `affine` reads them: a = 0 + 1 u + 0 v and b = 0 + 0 u + 1 v, but on the second half of a quad.
+    """
+    to = np.tile([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], (len(face), 1))
+    g, h = table.skew[face[second_half]].T
+    to[second_half] = np.stack([1.0 + g, -(1.0 + g), -g, 1.0 + h, -h, -(1.0 + h)], axis=1)
+    return to
+
+
 @kernel(inline="always")
-def affine(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
-    """Coordinates of a point in its face's affine frame, from Embree's coordinates (a, b) on one of its triangles."""
-    if second_half:
-        g, h = table.skew[f, 0], table.skew[f, 1]
-        return 1.0 + g - a * (1.0 + g) - b * g, 1.0 + h - a * h - b * (1.0 + h)
-    return a, b
+def affine(to, u, v):  # type: ignore[no-untyped-def]
+    """Coordinates of a point in its face's affine frame, from Embree's coordinates on a triangle: see `to_affine`.
+
+    Sums, not a question: which half of a quad is met is a coin toss to the processor's branch predictor.
+    """
+    return to[0] + to[1] * u + to[2] * v, to[3] + to[4] * u + to[5] * v
 
 
 @kernel(inline="always")
@@ -117,10 +128,9 @@ def lifted(table, f, a, b, side, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def cell_at(table, f, second_half, a, b):  # type: ignore[no-untyped-def]
-    """Cell of face f at Embree's coordinates (a, b) on one of its triangles."""
+def cell_at(table, f, a, b):  # type: ignore[no-untyped-def]
+    """Cell of face f at coordinates (a, b) in its affine frame."""
     columns, rows = table.columns[f], table.rows[f]
-    a, b = affine(table, f, second_half, a, b)
     if table.quad[f]:
         g, h = table.skew[f, 0], table.skew[f, 1]
         if g != 0.0 or h != 0.0:  # invert a = u + g u v, b = v + h u v

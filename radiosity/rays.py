@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import kernel
-from .face_points import INSET, affine, cell_at, face_table, lifted
+from .face_points import INSET, affine, cell_at, face_table, lifted, to_affine
 from .faces import Faces
 from .patches import Grid
 
@@ -54,7 +54,8 @@ class Tracer:
         self.scale = 1.0 / diagonal
         corners = (grid.faces.corners - self.centre) * self.scale
         self.table = face_table(grid, corners)
-        self._scene, self._triangle_face, self._second_half = _embree_scene(grid.faces, corners, shown)
+        self._scene, self._triangle_face, second = _embree_scene(grid.faces, corners, shown)
+        self._to_affine = to_affine(self.table, self._triangle_face, second)
         self._whole = bool((grid.cells == 1).all())
 
     def run(self, origins: Float32Array, directions: Float32Array) -> IntArray:
@@ -79,7 +80,7 @@ class Tracer:
         else:
             hits = self._scene.run(origins, directions, output=True)
             triangle, u, v = hits["primID"], hits["u"], hits["v"]
-        _find_patches(triangle, u, v, directions, self._triangle_face, self._second_half, self.table, self._whole, out)
+        _find_patches(triangle, u, v, directions, self._triangle_face, self._to_affine, self.table, self._whole, out)
         return out
 
     def hits(self, origins: Float32Array, directions: Float32Array) -> tuple[IntArray, FloatArray]:
@@ -97,9 +98,9 @@ class Tracer:
         found = self._scene.run(origins, directions, output=True)
         hit = found["primID"], found["u"], found["v"]
         patch, points = np.empty(len(origins), dtype=np.int32), np.zeros(origins.shape)
-        halves = self._triangle_face, self._second_half
-        _find_patches(*hit, directions, *halves, self.table, False, patch)
-        _find_points(*hit, directions, *halves, self.table, patch, points)
+        triangles = self._triangle_face, self._to_affine
+        _find_patches(*hit, directions, *triangles, self.table, False, patch)
+        _find_points(*hit, directions, *triangles, self.table, patch, points)
         return patch, points
 
     def to_unit(self, points: FloatArray) -> FloatArray:
@@ -129,7 +130,7 @@ def _embree_scene(faces: Faces, corners: FloatArray, shown: NDArray[np.bool_] | 
 
 
 @kernel
-def _find_patches(triangle, u, v, directions, triangle_face, second_half, table, whole, out):  # type: ignore[no-untyped-def]
+def _find_patches(triangle, u, v, directions, triangle_face, to, table, whole, out):  # type: ignore[no-untyped-def]
     """Patches from Embree's triangles; the fast twin of `radiosity.patches.locate`."""
     for r in range(triangle.shape[0]):
         t = triangle[r]
@@ -145,11 +146,12 @@ def _find_patches(triangle, u, v, directions, triangle_face, second_half, table,
         elif whole:
             out[r] = first
         else:
-            out[r] = first + cell_at(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
+            a, b = affine(to[t], np.float64(u[r]), np.float64(v[r]))
+            out[r] = first + cell_at(table, f, a, b)
 
 
 @kernel
-def _find_points(triangle, u, v, directions, triangle_face, second_half, table, patch, points):  # type: ignore[no-untyped-def]
+def _find_points(triangle, u, v, directions, triangle_face, to, table, patch, points):  # type: ignore[no-untyped-def]
     """Points met, pulled inside their faces and lifted off them; rays that met no patch are left alone."""
     for r in range(triangle.shape[0]):
         if patch[r] < 0:
@@ -158,7 +160,7 @@ def _find_points(triangle, u, v, directions, triangle_face, second_half, table, 
         f = triangle_face[t]
         n = table.normal[f]
         towards = directions[r, 0] * n[0] + directions[r, 1] * n[1] + directions[r, 2] * n[2]
-        a, b = affine(table, f, second_half[t], np.float64(u[r]), np.float64(v[r]))
+        a, b = affine(to[t], np.float64(u[r]), np.float64(v[r]))
         middle_a, middle_b = 1.0 / 3.0, 1.0 / 3.0
         if table.quad[f]:
             middle_a, middle_b = 0.5 + 0.25 * table.skew[f, 0], 0.5 + 0.25 * table.skew[f, 1]

@@ -82,7 +82,9 @@ class Levels:
     def gather(self, light: FloatArray, threads: int | None) -> FloatArray:
         """F B for (N, K)."""
         sent = csr_matmul(self.means, light, threads)
-        arriving = csr_matmul(self.exchange, np.where(self.emits[:, None], 0.0, sent), threads)
+        passed = sent.copy()
+        passed[self.emits] = 0.0
+        arriving = csr_matmul(self.exchange, passed, threads)
         return csr_matmul(self.spread, np.concatenate([arriving, sent]), threads)
 
     def scatter(self, light: FloatArray) -> FloatArray:

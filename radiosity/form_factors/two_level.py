@@ -65,7 +65,7 @@ class TwoLevel:
     """
 
     rays: int = 128
-    group_rays: int = 4096
+    group_rays: int = 2048
     light_rays: int = 64
     group: int | None = None
     seed: int = 0

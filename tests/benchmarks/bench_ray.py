@@ -66,7 +66,7 @@ def steps(maker: monte_carlo._BlockOfRows, span: tuple[int, int]) -> dict[str, f
     with_uv = fastest(lambda: tracer._scene.run(origins, directions, output=True), rays)
     found["… and where on the triangle"] = with_uv - found["Embree alone"]
     out = np.empty(rays, np.int32)
-    met = hits["primID"], hits["u"], hits["v"], directions, tracer._triangle_face, tracer._second_half, tracer.table
+    met = hits["primID"], hits["u"], hits["v"], directions, tracer._triangle_face, tracer._to_affine, tracer.table
     timed("which patch that is", lambda: _find_patches(*met, tracer._whole, out))
     counted = timed("counting hits, in order", lambda: count_hits(out, rows, len(patches)))
     block = RowBlock(begin, *counted)

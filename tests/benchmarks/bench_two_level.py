@@ -37,8 +37,8 @@ METHODS = {
     "default": lambda seed: rad.MonteCarlo(256, seed, replicates=2),
     "plain 512": lambda seed: rad.MonteCarlo(512, seed, light_rays=256),
     "two levels": lambda seed: rad.TwoLevel(seed=seed),
-    "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=2048, seed=seed),
-    "two levels, 256": lambda seed: rad.TwoLevel(rays=256, group_rays=8192, seed=seed),
+    "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=1024, seed=seed),
+    "two levels, 256": lambda seed: rad.TwoLevel(rays=256, group_rays=4096, seed=seed),
 }
 WARM = 2000  # patches of the run that compiles
 REFERENCE = rad.MonteCarlo(8192, light_rays=2048)
@@ -55,10 +55,10 @@ def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[
     begin = time.perf_counter(), time.process_time()
     factors = rad.form_factors(patches, METHODS[method](seed))
     made = time.perf_counter(), time.process_time()
-    gathers = []
+    gathers, light = [], patches.emission + 1.0
     for _ in range(BOUNCES):
         start = time.perf_counter(), time.process_time()
-        factors.gather(patches.emission + 1.0)
+        factors.gather(light)
         gathers.append((time.perf_counter() - start[0], time.process_time() - start[1]))
     start = time.perf_counter()
     T = rad.TransportOperator(factors, patches)
