@@ -43,8 +43,8 @@ LEAST_RAYS, MOST_RAYS = 16, 1 << 16  # of a replicate
 TRUNCATION = 0.02  # of the target
 AIM = 0.97  # of the target, so that one more trial is seldom needed
 CLEAR = 0.35  # of the target: a gap that is known to this is known well enough
-LEAST_MORE = 48  # groups of patches beyond one a face …
-SHARE_MORE = 3  # … or one for so many faces: large faces are cut, whose gap would else say little
+LEAST_MORE = 48  # groups of patches beyond one a face: large faces are cut, as their gap would else say little
+MANY_SIDES = 300  # up to which there is one more for each, too, and beyond one for every third
 PER_PATCH = 90.0  # rays that a patch costs beside its own
 PER_TRIAL = 3e4  # rays that one more trial costs
 MOST_TRIALS = 8
@@ -127,7 +127,7 @@ class _Search:
         """Patches as many as it takes."""
         faces = source_faces(self.scene)
         sides = int((1 + faces.two_sided).sum())
-        least = sides + max(LEAST_MORE, sides // SHARE_MORE)
+        least = sides + max(LEAST_MORE, min(sides, MANY_SIDES + sides // 3))
         level = self._level(grid_of(faces, least), self._typical_rays())
         answer = self._note(level, groups_only=False)
         while self._goes_on():
