@@ -28,7 +28,8 @@ def test_the_target_is_met_and_not_overdone():
     accuracy = solution.accuracy
     assert accuracy.reached
     error = true_error(solution)
-    assert 0.3 * accuracy.total < error < accuracy.total
+    assert 0.3 * accuracy.target < error < accuracy.target
+    assert 0.75 * accuracy.total < error < 1.25 * accuracy.total
     last = accuracy.trials[-1]
     assert (last.patches, last.rays) == (len(solution.patches), solution.factors.estimator.rays)
     assert accuracy.total == np.hypot(accuracy.sampling, accuracy.discretisation) + accuracy.truncation
