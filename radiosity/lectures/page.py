@@ -152,11 +152,11 @@ class _Steps:
 
     def _left(self, place: Place) -> dict[str, Any]:
         """The left pane."""
-        if beside := place.shown.get("beside"):
-            return {"left": "beside", "beside": self.names.index(beside)}
-        if (figure := self.talk.figure(place)) is not None:
+        if (figure := self.talk.figure(place)) is not None:  # over what else there may be, as in the window
             title = self.talk.words(place).title
             return {"left": "figure", "figure": self._keep({"svg": save_svg(figure), "alt": f"Plot: {title}"})}
+        if beside := place.shown.get("beside"):
+            return {"left": "beside", "beside": self.names.index(beside)}
         left = place.shown.get("left", "order")
         solution = self.talk.solution(place)
         if left == "factors":

@@ -9,6 +9,7 @@ import pytest
 import radiosity as rad
 from radiosity.errors import UnusedFeatureWarning
 from radiosity.lectures import Lecture, Step, Talk, export, plot, with_orders
+from radiosity.lectures.page import _Steps
 from radiosity.viewer.inspect import HemicubeView, factor_colours
 from radiosity.viewer.state import Series, ViewState, picture
 from tests.viewer.browser import Browser, find_browser
@@ -64,6 +65,15 @@ def shown(browser: Browser, file: Path) -> Iterator[Browser]:
 
 def said(browser: Browser) -> str:
     return browser.run("document.getElementById('words').innerText")
+
+
+def test_a_plot_of_an_answer_covers_what_was_beside(solution: rad.Solution) -> None:
+    """As in the window: the answer is the plot, whatever the question showed."""
+    step = Step("Dim", "", {"beside": "dim"}, question="?", answer="!", reveal={"figure": lambda _: plot("x", "y")[0]})
+    solved = {"box": solution, "dim": solution}
+    (data,) = _Steps(Talk(Lecture("talk", "A talk", lambda: None, (step,)), solved)).data()["steps"]
+    assert (data["show"]["left"], data["show"]["beside"]) == ("beside", 1)
+    assert (data["reveal"]["left"], data["reveal"]["figure"]) == ("figure", 0)
 
 
 @needs_browser
