@@ -37,8 +37,8 @@ METHODS = {
     "default": lambda seed: rad.MonteCarlo(256, seed, replicates=2),
     "plain 512": lambda seed: rad.MonteCarlo(512, seed, light_rays=256),
     "two levels": lambda seed: rad.TwoLevel(seed=seed),
-    "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=1024, seed=seed),
-    "two levels, 256": lambda seed: rad.TwoLevel(rays=256, group_rays=4096, seed=seed),
+    "two levels, 64": lambda seed: rad.TwoLevel(rays=64, group_rays=2048, seed=seed),
+    "two levels, 256": lambda seed: rad.TwoLevel(rays=256, group_rays=8192, seed=seed),
 }
 WARM = 2000  # patches of the run that compiles
 REFERENCE = rad.MonteCarlo(8192, light_rays=2048)
