@@ -86,7 +86,8 @@ class Screen:
 
         columns = (TextColumn("{task.description:<13}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
         shown = not self.quiet and self.err.is_terminal
-        with Progress(*columns, console=self.err, transient=True, disable=not shown) as bars, self._compiling():
+        bars = Progress(*columns, console=self.err, transient=True, disable=not shown)
+        with bars if shown else nullcontext(), self._compiling():  # older rich ends disabled bars by an empty line
             stages: dict[str, Any] = {}
 
             def tell(stage: str, done: int, total: int) -> None:
