@@ -29,6 +29,15 @@ def test_a_floor_that_looks_down_is_named() -> None:
     assert solution.balance.to_backs.sum() == pytest.approx(0.1998 * solution.balance.emitted.sum(), rel=0.02)
 
 
+def test_the_window_tells_of_it_too() -> None:
+    from radiosity.viewer.status import balance_line
+
+    with pytest.warns(GeometryWarning):
+        turned = rad.solve(plates(turned=True), patch_count=32, estimator=RAYS)
+    assert re.match(r"absorbed 0.0%, escaped (79.\d|80.\d)%, on black backs (19.\d|20.\d)%, ", balance_line(turned))
+    assert "backs" not in balance_line(rad.solve(plates(turned=False), patch_count=32, estimator=RAYS))
+
+
 def test_a_floor_that_looks_up_is_not() -> None:
     solution = rad.solve(plates(turned=False), patch_count=32, estimator=RAYS)  # warnings are errors
     assert light_on_backs(solution.patches, solution.factors) == ""

@@ -84,7 +84,9 @@ def balance_line(solution: Solution) -> str:
     balance = balance_of(solution)
     given = put_in(solution)[0] or 1.0
     kept, gone = float(balance.absorbed.sum()) / given, float(balance.to_sky.sum()) / given
-    return f"absorbed {kept:.1%}, escaped {gone:.1%}, energy defect {balance.defect:+.2%}".replace("-", "−")
+    behind = float(balance.to_backs.sum()) / given
+    lost = f", on black backs {behind:.1%}" if behind >= 0.0005 else ""
+    return f"absorbed {kept:.1%}, escaped {gone:.1%}{lost}, energy defect {balance.defect:+.2%}".replace("-", "−")
 
 
 def verdict_lines(window: Window) -> list[str]:
