@@ -40,7 +40,8 @@ class Slider:
     """
 
     def __init__(self, plotter: pv.Plotter, place: tuple[float, float], drag: Callable[[float], None]) -> None:
-        left, height = place
+        left, height = self.at = place
+        self.renderer = plotter.renderer
         self.words = Words(plotter.renderer, (left, height + RAISE), STATUS_SIZE)
         self.drag = drag
         self.quiet = True  # the widget says its first value by itself
@@ -50,13 +51,19 @@ class Slider:
         )  # fmt: skip
         self.quiet = False
         self.look = self.widget.GetRepresentation()
-        for end, x in ((self.look.GetPoint1Coordinate(), left), (self.look.GetPoint2Coordinate(), left + WIDTH)):
-            end.SetCoordinateSystemToNormalizedViewport()  # so that it goes where the dashboard goes
-            end.SetValue(x, height, 0.0)
         self.look.ShowSliderLabelOff()
         self.look.GetSliderProperty().SetColor(pv.Color(INK).float_rgb)
         self.look.SetSliderLength(0.012)
         self.look.SetSliderWidth(0.055)
+
+    def place(self) -> None:
+        """Go where the dashboard has gone: VTK takes shares of the window, counted from the pane's lower left."""
+        left, bottom, right, top = self.renderer.GetViewport()
+        x, y = self.at
+        for end, share in ((self.look.GetPoint1Coordinate(), x), (self.look.GetPoint2Coordinate(), x + WIDTH)):
+            end.SetCoordinateSystemToNormalizedDisplay()
+            end.SetValue(share * (right - left), y * (top - bottom), 0.0)
+        self.look.Modified()
 
     def _dragged(self, value: float) -> None:
         if not self.quiet:

@@ -329,7 +329,7 @@ class Window:
         self.dashboard.renderer.SetViewport(self.side, 0.0, 1.0, rows[2])
         self.dashboard.renderer.SetBackground(background)
         for slider in self.dashboard.sliders.values():
-            slider.look.Modified()  # it does not notice by itself that its ground has moved
+            slider.place()
 
     def all_words(self) -> list[Words]:
         """Every text of the window whose size does not depend on how much is said, but for the list of keys."""

@@ -16,7 +16,7 @@ from radiosity.errors import DisplayError
 from radiosity.viewer import view
 from radiosity.viewer.commands import COMMANDS
 from radiosity.viewer.compare import EQUATION
-from radiosity.viewer.dashboard import RAISE
+from radiosity.viewer.dashboard import WIDTH
 from radiosity.viewer.state import picture
 from radiosity.viewer.window import Window
 from tests.viewer.test_state import a_state_in_which_every_key_does_something
@@ -99,15 +99,23 @@ def test_words_above_a_pane_leave_room_for_what_stands_between(solution: rad.Sol
     window.close()
 
 
-def test_sliders_go_where_their_words_go(window: Window) -> None:
-    """The dashboard is higher for a projector."""
+@pytest.mark.parametrize("side", [0.0, 0.3])
+def test_sliders_go_where_their_words_go(solution: rad.Solution, side: float) -> None:
+    """Handles are the brightest boxes of the dashboard: each under its words, also beside a lecture's text."""
+    window = Window(solution, off_screen=True, size=(1200, 800), side=side)
     for _ in range(2):
+        renderer = window.dashboard.renderer
+        (left, bottom), (width, height) = renderer.GetOrigin(), renderer.GetSize()
+        image = window.image()[::-1]
         for slider in window.dashboard.sliders.values():
-            renderer = window.dashboard.renderer
-            line = slider.look.GetPoint1Coordinate().GetComputedViewportValue(renderer)[1]
-            words = slider.words.actor.GetPositionCoordinate().GetComputedViewportValue(renderer)[1]
-            assert words - line == pytest.approx(RAISE * renderer.GetSize()[1], abs=2)
+            x, y = slider.at
+            across = slice(round(left + x * width), round(left + (x + WIDTH) * width))
+            middle = round(bottom + y * height)
+            row = image[middle - 3 : middle + 4, across].min(axis=-1).max(axis=0)
+            assert 5 <= np.sum(row > 225) <= 40, "a handle"
+            assert np.mean(row > 100) > 0.6, "and its line"
         window.press("p")
+    window.close()
 
 
 def test_light_of_the_sky_counts_as_power_that_is_put_in() -> None:
