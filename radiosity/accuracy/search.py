@@ -33,7 +33,7 @@ RAYS_POWER = 0.67  # how the sampling error falls with the rays of a replicate
 AREA_POWER = 0.6  # how discretisation falls with the area of a patch
 SIZES = 1.2 ** np.arange(-32.0, 9.0)  # of a patch's area, which are thought of
 TYPICAL_RAY = 0.3  # sampling error of one ray in two replicates in a usual scene, if it fell so all the way
-TYPICAL_PATCHES = 0.014  # discretisation error of the first patches in a usual scene
+TYPICAL_PATCHES = 0.011  # discretisation error of the first patches in a usual scene
 FIRST = 0.9  # of the target: what a first trial is made for …
 LEAST_LEFT = (
     0.5  # … if so much of the target is left for sampling; else its patches will hardly do, and few rays show it
