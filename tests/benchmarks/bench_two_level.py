@@ -31,7 +31,12 @@ from radiosity.rays import Tracer
 
 FloatArray = NDArray[np.float64]
 
-SCENES = {"cornell": rad.scenes.cornell_box, "cluttered": lambda: rad.scenes.cluttered_room(60)}
+SCENES = {
+    "cornell": rad.scenes.cornell_box,
+    "cluttered": lambda: rad.scenes.cluttered_room(60),
+    "hidden": rad.scenes.hidden_lamp,
+    "corridor": rad.scenes.corridor,
+}
 METHODS = {
     "plain 128": lambda seed: rad.MonteCarlo(128, seed, light_rays=64),
     "default": lambda seed: rad.MonteCarlo(256, seed, replicates=2),
@@ -145,7 +150,7 @@ def compare(scene: str, count: int, methods: list[str], samples: int) -> None:
 def main() -> None:
     """Compare for each scene and number of patches."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--scenes", nargs="+", default=list(SCENES), choices=list(SCENES))
+    parser.add_argument("--scenes", nargs="+", default=["cornell", "cluttered"], choices=list(SCENES))
     parser.add_argument("--patches", type=int, nargs="+", default=[10_000, 30_000, 100_000])
     parser.add_argument("--methods", nargs="+", default=["plain 128", "two levels"], choices=list(METHODS))
     parser.add_argument("--samples", type=int, default=3000, help="patches on which the error is measured")
