@@ -37,7 +37,8 @@ class Step:
         ``"scene"``
             which of the lecture's solutions, if it has several; else the first;
         ``"beside"``
-            another solution on the same patches, all of whose light stands in the left pane instead of one bounce;
+            another solution on the same patches, whose light up to the same order stands in the left pane, under its
+            name, instead of one bounce;
         ``"figure"``
             a function from what `solve` returned to a matplotlib figure, which stands in the left pane;
         ``"pick"``, ``"pick_other"``

@@ -109,7 +109,7 @@ class Talk:
         return self.solutions[self.name(place)]
 
     def beside(self, place: Place) -> Solution | None:
-        """What stands in the left pane instead of one bounce, if anything."""
+        """Whose light stands in the left pane instead of one bounce, if any."""
         name = place.shown.get("beside")
         return self.solutions[self._known(place, name)] if name else None
 
@@ -119,8 +119,9 @@ class Talk:
         return None if draw is None else asked(draw, self.solved)
 
     def titles(self, place: Place) -> dict[Pane, str]:
-        """Words above the panes that stand for the terms of the series."""
-        left_right = place.shown.get("titles", ("", ""))
+        """Words above the panes that stand for the terms of the series; what stands beside is none of them."""
+        left, right = place.shown.get("titles", ("", ""))
+        left_right = left or place.shown.get("beside", ""), right
         return {
             pane: self.fill(words, place.step.title) for pane, words in zip(PANES, left_right, strict=True) if words
         }

@@ -148,7 +148,7 @@ class LectureWindow(Window):
                 self.say(pane, words, "")
 
     def _light_beside(self, other: Series, state: ViewState) -> NDArray[np.uint8]:
-        """All light of another solution on the exposure of the right pane."""
+        """Light of another solution up to the same order, on the exposure of the right pane."""
         return coloured(self.series, state, "sum", other.sums[min(state.order, other.last)])
 
     def _figure(self) -> NDArray[np.uint8] | None:

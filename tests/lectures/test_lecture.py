@@ -1,5 +1,6 @@
 """A lecture goes forward and back, asks before it shows, and can be a teacher's own file."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -72,6 +73,16 @@ def test_mistakes_in_a_lecture_are_named(fields: dict, message: str) -> None:
 
 def talk(solved, *steps: Step, numbers=None) -> Talk:
     return Talk(Lecture("talk", "A talk", lambda: None, steps, numbers=numbers), solved)
+
+
+def test_another_solution_beside_stands_under_its_name(solution: rad.Solution) -> None:
+    step = Step("Both", "…", {"scene": "b", "beside": "a"})
+    named = replace(step, show={**step.show, "titles": ("this", "that")})
+    lecture = Lecture("talk", "A talk", lambda: None, (step, named))
+    both = Talk(lecture, {"a": solution, "b": solution})
+    first = Place(lecture)
+    assert both.titles(first) == {"order": "a"}
+    assert both.titles(first.forward()) == {"order": "this", "sum": "that"}
 
 
 def test_numbers_of_the_solution_stand_in_the_text(solution: rad.Solution) -> None:
