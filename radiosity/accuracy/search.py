@@ -35,9 +35,7 @@ SIZES = 1.2 ** np.arange(-32.0, 9.0)  # of a patch's area, which are thought of
 TYPICAL_RAY = 0.3  # sampling error of one ray in two replicates in a usual scene, if it fell so all the way
 TYPICAL_PATCHES = 0.011  # discretisation error of the first patches in a usual scene
 FIRST = 0.9  # of the target: what a first trial is made for …
-LEAST_LEFT = (
-    0.5  # … if so much of the target is left for sampling; else its patches will hardly do, and few rays show it
-)
+LEAST_LEFT = 0.5  # … if so much of it is left for sampling; else its patches will hardly do, as few rays show
 PILOT_RAYS = 48
 LEAST_RAYS, MOST_RAYS = 16, 1 << 16  # of a replicate
 TRUNCATION = 0.02  # of the target
