@@ -112,6 +112,7 @@ function showFigure() {
   const shown = state.left === "figure" && state.show !== "sum";
   $("figure").hidden = !shown;
   $("picture").classList.toggle("plot", shown);
+  $("picture").classList.toggle("both", state.show === "both");
   $("figure").style.width = state.show === "both" ? "50%" : "100%";
   if (shown && $("figure").dataset.number !== String(state.figure)) {
     const { svg, png, alt } = figures[state.figure];
