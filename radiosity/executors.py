@@ -10,6 +10,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -19,6 +20,7 @@ Item = TypeVar("Item")
 Value = TypeVar("Value")
 
 ATTEMPTS = 5  # at one item: others that were under way when a worker died are innocent, so a few are needed
+PATIENCE = 2.0  # seconds without a value between looks at the workers
 LOST_IN_DASK = ("KilledWorker", "CommClosedError")  # by name: dask need not be installed
 
 
@@ -44,6 +46,7 @@ class Crew:
             hint = "; a dask client gives one by client.get_executor()" if hasattr(executor, "get_executor") else ""
             raise ParameterError(f"executor is {executor!r}; give a concurrent.futures.Executor{hint}")
         self.executor = self._given = executor
+        self._dead: set[int] = set()  # processes that were dead when last looked after
 
     @property
     def size(self) -> int:
@@ -76,6 +79,24 @@ class Crew:
         self.close()
         settings = {name: getattr(broken, f"_{name}", None) for name in ("max_workers", "mp_context", "initializer")}
         self.executor = ProcessPoolExecutor(**settings, initargs=getattr(broken, "_initargs", ()))
+
+    def look_after(self) -> None:
+        """Break a pool of processes that has not noticed the death of one, at the second look.
+
+        A worker that dies while it sends a value leaves half of it in the pipe, where the pool waits for the rest for
+        ever, and a lock for which the other workers wait. Once no process can write to the pipe any more, the pool sees
+        its end, and breaks.
+        """
+        pool, processes = self.executor, getattr(self.executor, "_processes", None)
+        if not isinstance(pool, ProcessPoolExecutor) or not processes:
+            return
+        dead = {number for number, process in list(processes.items()) if process.exitcode not in (None, 0)}
+        if dead & self._dead:
+            for process in list(processes.values()):
+                process.kill()
+            with suppress(AttributeError, OSError):
+                pool._result_queue._writer.close()  # type: ignore[attr-defined]  # this process's own end of it
+        self._dead = dead
 
     def close(self) -> None:
         """End a pool that was put in place of a broken one; leave alone what was given.
@@ -144,7 +165,7 @@ def _result(crew: Crew, pending: deque[_Task], submit: Any, name: Callable[[Any]
     """Value of the first task, which leaves the queue. All that were lost by then are sent out again."""
     while True:
         try:
-            value = pending[0].future.result()
+            value = _wait(crew, pending[0].future)
         except BaseException as error:
             if not is_loss(error):
                 raise
@@ -153,6 +174,17 @@ def _result(crew: Crew, pending: deque[_Task], submit: Any, name: Callable[[Any]
         else:
             pending.popleft()
             return value
+
+
+def _wait(crew: Crew, future: Future[Any]) -> Any:
+    """Value of a future, looking after the workers while it is not there."""
+    while True:
+        try:
+            return future.result(PATIENCE)
+        except TimeoutError:
+            if future.done():  # the work itself says so, or has just come to its end
+                return future.result()
+            crew.look_after()
 
 
 def _send_again(crew: Crew, task: _Task, submit: Any, name: Callable[[Any], str]) -> None:

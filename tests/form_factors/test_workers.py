@@ -5,6 +5,8 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import struct
+import sys
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -176,3 +178,25 @@ def test_two_spawned_processes_one_of_which_is_killed(monkeypatch):
         assert same_bits(rad.form_factors(patches, method, executor=pool, progress=kill_one), first)
     assert killed
     assert not multiprocessing.active_children(), "the pool in its place is closed"
+
+
+def double(number, attempt):
+    """Twice a number; the worker of 3 dies at the first attempt while it sends what it has found."""
+    if number == 3 and attempt == 1:
+        frame = sys._getframe()
+        while "result_queue" not in frame.f_locals:
+            frame = frame.f_back
+        queue = frame.f_locals["result_queue"]
+        queue._wlock.acquire()
+        os.write(queue._writer.fileno(), struct.pack("!i", 1000) + b"half of it")
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * number
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs a signal that nothing survives")
+def test_a_worker_that_dies_while_it_sends_is_noticed(monkeypatch):
+    """Python's own pool would wait for the other half for ever."""
+    monkeypatch.setattr(executors, "PATIENCE", 0.3)
+    with spawned() as pool:
+        found = executors.map_over(pool, range(8), lambda crew, item, attempt: crew.submit(double, item, attempt))
+        assert list(found) == [2 * k for k in range(8)]
