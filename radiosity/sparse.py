@@ -152,6 +152,16 @@ def row_blocks(indptr: NDArray[Any]) -> list[tuple[int, int]]:
     return blocks(rows, max(1, BLOCK_NONZEROS // per_row))
 
 
+def _panels(columns: FloatArray, threads: int | None) -> list[tuple[int, FloatArray]]:
+    """First column and values of each `PANEL` columns, each in one piece, which takes fewer pages of memory.
+
+    The last goes over columns of the one before again, to the same bits, rather than be a narrow one.
+    """
+    width = columns.shape[1]
+    firsts = [min(first, width - PANEL) for first in range(0, width, PANEL)]
+    return list(ordered_map(lambda first: (first, columns[:, first : first + PANEL].ravel()), firsts, threads))
+
+
 def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = None) -> FloatArray:
     """`matrix @ columns` with float64 sums.
 
@@ -177,9 +187,7 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
     arrays = matrix.indptr, matrix.indices, matrix.data, flat
     together = min(max(1, width), PANEL)
     band = max(1, BAND_BYTES // (8 * together)) if matrix.has_sorted_indices else matrix.shape[1]
-    # The last panel goes over columns of the one before again, to the same bits, rather than be a narrow one.
-    firsts = [min(first, width - PANEL) for first in range(0, width if width >= PANEL else 0, PANEL)]
-    panels = list(ordered_map(lambda first: flat[:, first : first + PANEL].ravel(), firsts, threads))  # in one piece
+    panels = _panels(flat, threads) if width >= PANEL else []
 
     def rows(block: tuple[int, int]) -> None:
         if width in (1, 3):
@@ -187,7 +195,7 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
         elif width < PANEL:
             _rows_times_many(*arrays, band, *block, out)
         else:
-            for first, panel in zip(firsts, panels, strict=True):
+            for first, panel in panels:
                 _rows_times_panel(*arrays[:3], panel, first, band, *block, out)
 
     for _ in ordered_map(rows, row_blocks(matrix.indptr), threads):

@@ -121,7 +121,7 @@ class Talk:
     def titles(self, place: Place) -> dict[Pane, str]:
         """Words above the panes that stand for the terms of the series; what stands beside is none of them."""
         left, right = place.shown.get("titles", ("", ""))
-        left_right = left or place.shown.get("beside", ""), right
+        left_right = (left or place.shown.get("beside", ""), right)
         return {
             pane: self.fill(words, place.step.title) for pane, words in zip(PANES, left_right, strict=True) if words
         }

@@ -19,11 +19,9 @@ from numpy.typing import NDArray
 from .. import display
 from ..camera import Camera, presets
 from ..errors import ParameterError
-from ..transport import TransportOperator
 from . import probe
 from .coverage import Coverage
 from .drawing import Drawing
-from .inspect import MatrixView
 from .overlay import CHANNEL_COLOURS, FAINT, HERE, INK
 from .overlay import PANEL as PAPER
 from .sheet import Sheet
@@ -266,36 +264,6 @@ def power_plot(series: Series, order: int | None = None, size: tuple[float, floa
     axes = figure.add_axes((0.11, 0.13, 0.8, 0.77))
     draw_power(axes, series, order)
     figure.text(0.11, 0.935, "power that leaves all surfaces with each bounce", color=INK, fontsize=11)
-    return figure
-
-
-def matrix_plot(solution: Solution, patch: int = -1, channel: int = 0, size: float = 8.0) -> Figure:
-    """The transport operator as a picture, patches in the order of their surfaces.
-
-    Parameters
-    ----------
-    solution : Solution
-    patch : int, optional
-        Whose row (what it receives) and column (what it sends) are lit up.
-    channel : int
-    size : float
-        Inches at 100 dpi.
-    """
-    operator = TransportOperator(solution.factors, solution.patches)
-    patches = solution.patches
-    view = MatrixView.of_operator(operator, channel, patches.surface, patches.surface_names)
-    figure = Figure(figsize=(size, size), dpi=100, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.17, 0.03, 0.8, 0.8))
-    axes.imshow(view.picture(patch), extent=(0.0, 1.0, 1.0, 0.0), interpolation="nearest")
-    ends = np.array([0.0, *(end for _, end in view.borders)])
-    middles, names = (ends[1:] + ends[:-1]) / 2.0, [name for name, _ in view.borders]
-    axes.set_xticks(middles, names, rotation=60, ha="left")
-    axes.set_yticks(middles, names)
-    axes.tick_params(colors=INK, labelsize=9, length=0, top=True, bottom=False, labeltop=True, labelbottom=False)
-    axes.set_title(r"$T = \rho\,F$: rows receive, columns send", color=INK, pad=10)
-    for spine in axes.spines.values():
-        spine.set_color(FAINT)
     return figure
 
 

@@ -190,15 +190,6 @@ def test_power_plot_of_one_channel_and_of_darkness() -> None:
         figures.power_plot(Series(orders, np.cumsum(orders, axis=0), np.ones(1), power)).canvas.draw()
 
 
-def test_matrix_plot_names_the_surfaces(solution) -> None:
-    (axes,) = figures.matrix_plot(solution, patch=3).axes
-    assert [label.get_text() for label in axes.get_yticklabels()] == list(solution.patches.surface_names)
-    places = axes.get_yticks()
-    counts = np.bincount(solution.patches.surface) / len(solution.patches)
-    np.testing.assert_allclose(places, np.cumsum(counts) - counts / 2)
-    assert axes.images[0].get_array().shape == (400, 400, 3)
-
-
 def test_write_pictures(solution, tmp_path: Path) -> None:
     written = figures.write_pictures(solution, tmp_path / "new" / "folder", orders=[1])
     assert [path.name for path in written] == ["orders.png", "power.png", "sum.png", "order_1.png"]
