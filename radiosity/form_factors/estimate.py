@@ -123,9 +123,8 @@ def form_factors(
         makers = [SomeRows(maker, rows) for maker in makers]
     runs = _runs(patches, estimator, makers, kind, threads, executor, checkpoint, progress or quiet)
     factors = _with_replicates(runs, patches, estimator, kind, threads)
-    seconds = {"seconds/ray tree": built - begin, "seconds/form factors": time.perf_counter() - built}
-    factors.statistics.update(_counters(factors, estimator, rows), **seconds)
-    return factors if rows is None else _leaving_out(factors, rows)
+    factors.statistics["seconds/ray tree"] = built - begin
+    return _counted(factors, estimator, rows, built)
 
 
 def _check_fit(
@@ -161,8 +160,9 @@ def _runs(
     executor: Executor | None,
     checkpoint: str | os.PathLike[str] | None,
     progress: Progress,
+    first: int = 0,
 ) -> list[Rows]:
-    """Factors of every replicate, each by its maker of rows."""
+    """Factors of every replicate from the `first` on, each by its maker of rows."""
     key, kept = "", None
     if executor is not None or checkpoint is not None:
         key = fingerprint(patches, estimator, kind)
@@ -172,7 +172,7 @@ def _runs(
         kept = Checkpoint(checkpoint, key, f"{patches.name}, {len(patches)} patches, by {estimator}, {np.dtype(kind)}")
     return [
         _assemble(RowsToMake(patches, estimator, maker, replicate, kind, key, threads, executor), kept, progress)
-        for replicate, maker in enumerate(makers)
+        for replicate, maker in enumerate(makers, start=first)
     ]
 
 
@@ -250,18 +250,13 @@ def more_replicates(
     kind = factors.matrix.dtype.type
     check_cost(patches, estimator, makers, kind, memory_limit, tracer, threads)
     makers = makers if rows is None else [SomeRows(maker, rows) for maker in makers]
-    tell = progress or quiet
-    new = [
-        _assemble(RowsToMake(patches, estimator, maker, made + k, kind, "", threads), None, tell)
-        for k, maker in enumerate(makers)
-    ]
+    new = _runs(patches, estimator, makers, kind, threads, None, None, progress or quiet, made)
     old = [
         Rows(run.matrix, run.to_sky, run.to_backs, run.statistics["rays/to emitters"], run.exact_columns)
         for run in factors.replicates
     ]
     whole = _with_replicates([*old, *new], patches, estimator, kind, threads)
-    whole.statistics.update(_counters(whole, estimator, rows), **{"seconds/form factors": time.perf_counter() - begin})
-    return whole if rows is None else _leaving_out(whole, rows)
+    return _counted(whole, estimator, rows, begin)
 
 
 def _one_replicate(method: MonteCarlo) -> tuple[Any, ...]:
@@ -269,9 +264,11 @@ def _one_replicate(method: MonteCarlo) -> tuple[Any, ...]:
     return method.seed, method.sampling, method.rays // method.replicates, method.light_rays // method.replicates
 
 
-def _leaving_out(factors: FormFactors, rows: RowChoice) -> FormFactors:
-    """Factors that say which rows they lack, and so do their replicates."""
-    if rows.left_out is None:
+def _counted(factors: FormFactors, estimator: Estimator, rows: RowChoice | None, begin: float) -> FormFactors:
+    """Factors with their counters, that say which rows they lack; so do their replicates."""
+    seconds = {"seconds/form factors": time.perf_counter() - begin}
+    factors.statistics.update(_counters(factors, estimator, rows), **seconds)
+    if rows is None or rows.left_out is None:
         return factors
     runs = tuple(replace(run, left_out=rows.left_out) for run in factors.replicates)
     return replace(factors, left_out=rows.left_out, replicates=runs)
