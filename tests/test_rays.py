@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.face_points import OFFSET, patch_point, patch_points
+from radiosity.face_points import OFFSET, cell_at, patch_point, patch_points
 from radiosity.patches import locate
 from radiosity.rays import BACK, MISS, Tracer
 
@@ -140,3 +140,21 @@ def test_the_kernel_and_its_readable_twin_agree_on_two_sided_soup():
     u, v = bilinear_coordinates(patches.grid.faces.corners[face], patches.grid.faces.quad[face], points)
     twin = locate(patches.grid, face, u, v, patches.side[found[hit]] < 0)
     assert np.mean(twin == found[hit]) > 0.9995, "differences only by float32 rounding at edges of patches"
+
+
+def test_a_hit_that_rounding_puts_past_an_edge_is_in_the_cell_at_that_edge():
+    """On the long edge of a triangle the last cell of each row has no second half; and corners lie in cells, too."""
+    corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    face = rad.Surface("face", corners, [[0, 1, 2]], rad.Material(reflectance=0.5))
+    patches = rad.subdivide(rad.Scene([face]), patch_size=0.3)
+    table, columns = Tracer(patches.grid).table, int(patches.grid.columns[0])
+    assert columns > 3
+    along = np.concatenate([(np.arange(columns) + 0.5) / columns, np.linspace(0.0, 1.0, 50)])
+    for past in (-1e-6, 1e-6):
+        a, b = along, 1.0 - along + past
+        cells = np.array([cell_at(table, 0, *place) for place in zip(a, b, strict=True)])
+        first = np.zeros(len(a), dtype=int)
+        assert np.array_equal(cells, locate(patches.grid, first, a, b, first < 0))
+        assert cells.min() >= 0 and cells.max() < len(patches)
+        inside = (along > 0.02) & (along < 0.98)
+        assert np.abs(patches.centroid[cells[inside], :2].sum(axis=1) - 1.0).max() < 1.0 / columns
