@@ -7,8 +7,11 @@ never by the number of threads, and each writes to its own rows: results cannot 
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from functools import lru_cache
+from threading import local
 from typing import TypeVar
 
 from .errors import ParameterError
@@ -47,23 +50,47 @@ def ordered_map(
     """Apply a function to items on threads, giving values in the order of the items.
 
     At most twice as many items as threads are under way, so that finished values do not pile up. On an
-    interrupt, or when the caller stops early, what has not begun is dropped.
+    interrupt, or when the caller stops early, what has not begun is dropped. Within a function that is itself applied
+    so, one after the other: all threads are at work already.
     """
     count = thread_count(threads)
-    if count == 1 or len(items) < 2:
+    if count == 1 or len(items) < 2 or getattr(_here, "works", False):
         yield from map(function, items)
         return
-    pool = ThreadPoolExecutor(count)
-    pending: list[Future[Value]] = []
+    pool = _pool(count)
+    pending: deque[Future[Value]] = deque()
     waiting = iter(items)
     try:
         for item in waiting:
             pending.append(pool.submit(function, item))
             if len(pending) >= 2 * count:
-                yield pending.pop(0).result()
+                yield _first(pending)
         while pending:
-            yield pending.pop(0).result()
+            yield _first(pending)
     finally:
         for future in pending:
             future.cancel()
-        pool.shutdown(wait=True, cancel_futures=True)
+        wait(pending)  # none writes to arrays of a caller that has gone on
+
+
+def _first(pending: deque[Future[Value]]) -> Value:
+    value = pending[0].result()
+    pending.popleft()  # not before: on an interrupt it is still under way
+    return value
+
+
+_here = local()  # .works: whether this thread is one of a pool
+
+
+def _begin() -> None:
+    _here.works = True
+
+
+@lru_cache(maxsize=4)
+def _pool(count: int) -> ThreadPoolExecutor:
+    """Threads that stay: to start and end them takes as long as a small product."""
+    return ThreadPoolExecutor(count, "radiosity", _begin)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # a forked process has none of its parent's threads
