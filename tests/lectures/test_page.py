@@ -12,10 +12,9 @@ from radiosity.lectures import Lecture, Step, Talk, export, plot, with_orders
 from radiosity.lectures.page import _Steps
 from radiosity.viewer.inspect import HemicubeView, factor_colours
 from radiosity.viewer.state import Series, ViewState, picture
-from tests.viewer.browser import Browser, find_browser
+from tests.viewer.browser import Browser, needs_browser
 from tests.viewer.test_page import pixels_and_patches
 
-needs_browser = pytest.mark.skipif(find_browser() is None, reason="no Chromium is installed")
 PLACE = (0.42, 0.0, 0.12)
 STEPS = (
     Step("Begin <here>", "One & two: {count} patches.", {"order": 0}, minutes=2),

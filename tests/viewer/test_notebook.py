@@ -8,9 +8,7 @@ import pytest
 
 import radiosity as rad
 from radiosity.viewer import notebook, window
-from tests.viewer.browser import Browser, find_browser
-
-needs_browser = pytest.mark.skipif(find_browser() is None, reason="no Chromium is installed")
+from tests.viewer.browser import Browser, needs_browser
 
 
 def pretend(monkeypatch: pytest.MonkeyPatch, shell: object) -> list[dict]:
