@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..form_factors.levels import TwoLevelFactors
 from ..solvers import Solver
 from ..solvers.admission import connected_components, where
 from ..solvers.bound import ErrorBound, error_bound
@@ -45,8 +46,8 @@ class Certificate:
     algebraic : float
         Bound on the error against the exact solution with these form factors; it holds.
     sampling : float or None
-        Standard error from the spread of independent replicates; 0.0 for factors that were not sampled, None where
-        it is not known.
+        Standard error from the spread of independent replicates, or on two levels from a spot check; 0.0 for factors
+        that were not sampled, None where it is not known.
     closure : float
         Largest ``|1 - Σ_j F_ij - to_sky - to_backs|``.
     reciprocity : float
@@ -145,7 +146,7 @@ def certify(
     algebra = error_bound(T, source, B, E) if finite else _no_bound(B)
     evidence = _evidence(T, E, np.where(np.isfinite(B), B, 0.0), source, sky, solver)
     refusals = list(_refusals(T, source, B, algebra, evidence))
-    doubts = [] if refusals else list(_doubts(algebra, evidence, accuracy, standard_errors))
+    doubts = [] if refusals else list(_doubts(T, algebra, evidence, accuracy, standard_errors))
     verdict: Verdict = "refused" if refusals else "uncertified" if doubts else "certified"
     return Certificate(
         verdict=verdict,
@@ -251,7 +252,9 @@ def _leak_refusal(T: TransportOperator, source: FloatArray, leaks: float) -> Ite
             )
 
 
-def _doubts(algebra: ErrorBound, evidence: _Evidence, accuracy: float, standard_errors: float) -> Iterator[str]:
+def _doubts(
+    T: TransportOperator, algebra: ErrorBound, evidence: _Evidence, accuracy: float, standard_errors: float
+) -> Iterator[str]:
     """Why the accuracy is not certified, and what would."""
     sampling = standard_errors * (evidence.sampling or 0.0)
     if algebra.relative + sampling > accuracy:
@@ -262,7 +265,8 @@ def _doubts(algebra: ErrorBound, evidence: _Evidence, accuracy: float, standard_
             )
         else:
             more = int(np.ceil((sampling / max(accuracy - algebra.relative, accuracy / 2.0)) ** 2))
-            yield f"sampling error {evidence.sampling:.2g}: about {more} × as many rays would do"
+            groups = " and smaller groups" if isinstance(T.stored_factors, TwoLevelFactors) else ""
+            yield f"sampling error {evidence.sampling:.2g}: about {more} × as many rays{groups} would do"
     if evidence.sampling is None:
         yield "the sampling error is not known: compute the factors with replicates, MonteCarlo(replicates=2) or more"
     if evidence.leaked > accuracy:

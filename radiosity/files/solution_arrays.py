@@ -20,7 +20,7 @@ from ..form_factors.levels import TwoLevelFactors
 from ..patches import Grid, Patches
 from . import checked
 from .checked import JSON
-from .level_arrays import levels_from_arrays, levels_to_arrays
+from .level_arrays import check_to_arrays, levels_from_arrays, levels_to_arrays
 from .matrix_arrays import Reader, matrix_from_arrays, matrix_to_arrays, within
 
 # Name → type and shape. Letters stand for lengths that have to agree: N patches, V vertices, C channels, F faces.
@@ -119,6 +119,8 @@ def factors_to_arrays(factors: FormFactors, prefix: str = "factors") -> Iterator
     """Name and array of everything in form factors that is an array, replicates included."""
     if isinstance(factors, TwoLevelFactors):
         yield from levels_to_arrays(factors.levels, f"{prefix}/levels")
+        if factors.check is not None:
+            yield from check_to_arrays(factors.check, f"{prefix}/check")
     else:
         yield from matrix_to_arrays(factors.matrix, prefix)
     yield f"{prefix}/to_sky", factors.to_sky
@@ -135,7 +137,7 @@ def factors_header(factors: FormFactors) -> list[JSON]:
         {
             "statistics": one.statistics,
             "exact_columns": one.exact_columns is not None,
-            **({"group": one.levels.side} if isinstance(one, TwoLevelFactors) else {}),
+            **({"group": one.levels.side, "check": one.check is not None} if isinstance(one, TwoLevelFactors) else {}),
         }
         for one in (factors, *factors.replicates)
     ]

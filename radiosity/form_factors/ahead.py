@@ -34,7 +34,7 @@ def compile_direct_light() -> None:
     direct = _Unseen(patches, Tracer(patches.grid), emitters, 64, seed_key(0), "sobol")
     none = np.empty(0, dtype=np.int32)
     block = RowBlock(0, np.zeros(ROWS, np.int64), none, none, np.full(ROWS, 64), np.zeros(ROWS, np.int64))
-    direct.put_into(block, 64)
+    direct.put_into(block, np.arange(ROWS), 64)
 
 
 DIRECT_LIGHT = Ahead(__name__, compile_direct_light.__name__, apart_rows)

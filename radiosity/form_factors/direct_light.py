@@ -32,6 +32,7 @@ from .starts import numbers, starts
 FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
+Entries = tuple[IntArray, NDArray[np.int32], FloatArray]
 
 FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether they agree
 CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
@@ -166,27 +167,26 @@ class DirectLight:
         if sampling == "sobol":
             self.points = np.ascontiguousarray(sobol_points(light_rays, 4, int(run)).T)
 
-    def put_into(self, block: RowBlock, rays: int) -> RowBlock:
-        """The same rows with the columns of emitters put in, as shares instead of counts."""
+    def put_into(self, block: RowBlock, patch: IntArray, rays: int) -> RowBlock:
+        """The rows of these patches with the columns of emitters put in, as shares instead of counts."""
         _, lengths, indices, counts, to_sky, to_backs, _ = block
-        entries, traced = self._entries(block.begin, _Counted(lengths, indices, counts))
+        entries, traced = self._entries(patch, _Counted(lengths, indices, counts))
         merged = _merge(lengths, indices, counts, to_sky, to_backs, rays, self.columns, *entries)
         return RowBlock(block.begin, *merged)._replace(shadow_rays=traced)
 
-    def entries(self, begin: int, end: int) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
-        """Rows begin … end of emitters' columns by shadow rays alone: lengths, indices, weights; and how many rays."""
-        none = _Counted(np.zeros(end - begin, np.int64), np.empty(0, np.int32), np.empty(0, np.int32))
-        return self._entries(begin, none)
+    def entries(self, patch: IntArray) -> tuple[Entries, int]:
+        """Emitters' columns of the rows of these patches by shadow rays alone, as `_entries`."""
+        none = _Counted(np.zeros(len(patch), np.int64), np.empty(0, np.int32), np.empty(0, np.int32))
+        return self._entries(patch, none)
 
-    def _entries(self, begin: int, counted: _Counted) -> tuple[tuple[IntArray, NDArray[np.int32], FloatArray], int]:
-        """Emitters' columns of the rows from `begin`: lengths, indices, weights. And how many shadow rays it took."""
-        end = begin + len(counted.lengths)
-        faces = self.patches.faces[begin:end]
+    def _entries(self, patch: IntArray, counted: _Counted) -> tuple[Entries, int]:
+        """Emitters' columns of the rows of these patches: lengths, indices, weights. And how many shadow rays."""
+        faces = self.patches.faces[patch]
         corners = self.patches.vertices[np.where(faces < 0, faces[:, [0, 1, 2, 2]], faces)]
         exchange = exchange_area_matrix(corners, self.emitters.corners, threads=1)
-        factors = exchange / self.patches.area[begin:end, None]
+        factors = exchange / self.patches.area[patch, None]
         row, emitter = (np.ascontiguousarray(index) for index in np.nonzero(factors > NEGLIGIBLE))
-        pairs = np.stack([row + begin, emitter], axis=1)
+        pairs = np.stack([patch[row], emitter], axis=1)
         first = self._look(pairs, first_rays(self.light_rays))
         at_corners = self._look(pairs, CORNER_RAYS, corners=True)
         undecided = _disagree(np.hstack([first.met, at_corners.met]), np.hstack([first.kernel, at_corners.kernel]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -24,6 +25,7 @@ from .groups import CORNER_SAMPLES, Groups
 from .levels import Again, Levels, TwoLevelFactors
 from .monte_carlo import BATCH, Places, cosine_rays, ray_directions, ray_origins, ray_samples
 from .shares import without_leaks
+from .spot_check import spot_check
 
 if TYPE_CHECKING:
     from .two_level import TwoLevel
@@ -149,6 +151,9 @@ class Work:
         made_of = ordered_map(spread, blocks(len(patches), DIRECT_BLOCK), self.threads)
         rows = stack_rows(made_of, len(patches), dtype, columns=levels.spread.shape[1])
         to_sky, leaks = without_leaks(rows.to_sky, patches)
+        begin = time.perf_counter()
+        check = spot_check(patches, self.tracer, self.method.seed, self.threads)
+        seconds = time.perf_counter() - begin
         made = TwoLevelFactors(
             replace(levels, spread=rows.matrix, emits=emits),
             to_sky,
@@ -157,9 +162,10 @@ class Work:
             patches.surface,
             patches.surface_names,
             self.method,
-            {"leaks/share": leaks, "rays/to emitters": rows.shadow_rays},
+            {"leaks/share": leaks, "rays/to emitters": rows.shadow_rays, "seconds/spot check": seconds},
             None if emitters is None else emitters.columns,
             again,
+            check,
         )
         made.statistics.update({"matrix/non-zeros": made.non_zeros, "matrix/bytes": made.nbytes})
         return made
@@ -234,7 +240,7 @@ class _Spread:
         shape = (end - begin, len(self.levels.emits))
         if self.direct is None:
             return csr_array(shape), 0
-        (lengths, indices, weights), traced = self.direct.entries(begin, end)
+        (lengths, indices, weights), traced = self.direct.entries(np.arange(begin, end))
         pointers = np.concatenate([[0], np.cumsum(lengths)])
         rows = csr_array((weights, self.levels.sender[indices], pointers), shape=shape)
         rows.sum_duplicates()

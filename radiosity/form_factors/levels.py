@@ -26,6 +26,7 @@ from scipy.sparse import csr_array, diags_array
 from ..errors import MemoryLimitError
 from ..sparse import csr_matmul
 from .factors import FormFactors
+from .spot_check import SpotCheck
 
 if TYPE_CHECKING:
     from ..patches import Patches
@@ -107,10 +108,13 @@ class TwoLevelFactors(FormFactors):
         As in `FormFactors`.
     again : callable, optional
         Patches with other light → these factors with straight paths from what emits there; see `lit_by`.
+    check : SpotCheck, optional
+        Rows by plain rays, for their error.
     """
 
     levels: Levels
     again: Again | None
+    check: SpotCheck | None
 
     def __init__(
         self,
@@ -124,6 +128,7 @@ class TwoLevelFactors(FormFactors):
         statistics: dict[str, Any] | None = None,
         exact_columns: NDArray[np.bool_] | None = None,
         again: Again | None = None,
+        check: SpotCheck | None = None,
     ) -> None:
         given = {name: value for name, value in locals().items() if name not in ("self", "__class__")}
         given.update(statistics=statistics or {}, replicates=())

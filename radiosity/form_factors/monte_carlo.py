@@ -91,11 +91,11 @@ class MonteCarlo:
 
     def rows(self, patches: Patches, tracer: Tracer, replicate: int = 0) -> RowMaker:
         """What makes the rows of one replicate."""
-        return _BlockOfRows(self, patches, tracer, replicate)
+        return MonteCarloRows(self, patches, tracer, replicate)
 
 
-class _BlockOfRows:
-    """Trace the rays of patches begin … end, count their hits, and put in the exact columns of emitters."""
+class MonteCarloRows:
+    """Trace the rays of some patches, count their hits, and put in the exact columns of emitters."""
 
     def __init__(self, method: MonteCarlo, patches: Patches, tracer: Tracer, replicate: int) -> None:
         self.patches, self.tracer = patches, tracer
@@ -121,15 +121,19 @@ class _BlockOfRows:
             self.points = np.empty((4, 0), dtype=np.uint32)
 
     def __call__(self, span: tuple[int, int]) -> RowBlock:
-        begin, end = span
+        """The rows begin … end."""
+        return self.of(np.arange(*span))._replace(begin=span[0])
+
+    def of(self, patch: NDArray[np.int64]) -> RowBlock:
+        """The rows of some patches, numbered from 0: each the same whatever others are made with it."""
         grid = self.patches.grid
         places = Places(self.tracer.table, self.patches.face, self.patches.side, grid.front, grid.back)
-        origins, directions = cosine_rays(places, np.arange(begin, end), self.rays, self.points, self.run)
-        rows = RowBlock(begin, *count_hits(self.tracer.run(origins, directions), end - begin, len(self.patches)))
+        origins, directions = cosine_rays(places, patch, self.rays, self.points, self.run)
+        rows = RowBlock(0, *count_hits(self.tracer.run(origins, directions), len(patch), len(self.patches)))
         if self.direct is None:
             return rows
         DIRECT_LIGHT.ready()
-        return self.direct.put_into(rows, self.rays)
+        return self.direct.put_into(rows, patch, self.rays)
 
 
 class Places(NamedTuple):

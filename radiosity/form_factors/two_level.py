@@ -131,7 +131,7 @@ class TwoLevel:
                 "rays/traced": int(receivers.rays.sum()) + SURVEY_RAYS * len(groups),
                 "seconds/levels": surveyed - begin,
                 "seconds/exchange": exchanged - surveyed,
-                "seconds/direct light": time.perf_counter() - exchanged,
+                "seconds/direct light": time.perf_counter() - exchanged - made.statistics["seconds/spot check"],
             }
         )
         return made
@@ -192,4 +192,5 @@ def straight_to_new(factors: TwoLevelFactors, patches: Patches) -> TwoLevelFacto
         {**factors.statistics, **made.statistics},
         made.exact_columns,
         straight_to_new,
+        made.check,
     )

@@ -127,7 +127,7 @@ class _WrongSeries(Shortcut):
 class NoCosine(_WrongSeries):
     """Irradiance without Lambert's cosine: light that grazes a surface counts as much as light from straight above.
 
-    ∫ cos θ dω = π over the hemisphere, and ∫ dω = 2π: rows sum to 2, Eq. (27), a bounce can double the light, and
+    ∫ cos θ dω = π over the hemisphere, and ∫ dω = 2π: rows sum to 2, Eq. (28), a bounce can double the light, and
     where ρ passes 1/2 all around, the series has no end.
     """
 

@@ -92,7 +92,7 @@ class AmbientOcclusion(Shortcut):
     def radiosity(
         self, patches: Patches, factors: FormFactors, truth: FloatArray | None = None, *, threads: int | None = None
     ) -> FloatArray:
-        """E + T E + ρ a O with O the open share of the hemisphere, Eq. (28). See `Shortcut.radiosity`."""
+        """E + T E + ρ a O with O the open share of the hemisphere, Eq. (29). See `Shortcut.radiosity`."""
         T = operator(patches, factors, threads)
         open_share = openness(patches, self.distance, self.rays, self.seed, threads)
         return with_ambient(T, patches, open_share, truth)

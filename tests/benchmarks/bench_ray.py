@@ -38,7 +38,7 @@ def fastest(work: Callable[[], object], rays: int) -> float:
     return 1e9 * min(times) / rays
 
 
-def steps(maker: monte_carlo._BlockOfRows, span: tuple[int, int]) -> dict[str, float]:
+def steps(maker: monte_carlo.MonteCarloRows, span: tuple[int, int]) -> dict[str, float]:
     """Nanoseconds a ray of each step on one batch."""
     patches, tracer, grid = maker.patches, maker.tracer, maker.patches.grid
     (begin, end), each = span, maker.rays

@@ -6,7 +6,8 @@ The error is the area-weighted relative L2 of B - E over channels, on patches ch
 gathered anew: rows of many rays and many shadow rays, times the light of plain rows, whose noise a gather averages
 away. Two such gathers, independent of each other, give the reference and its own error. Each measurement is a process
 of its own, so that the peak of its memory is its own; compilers have run before the clock starts. In brackets: seconds
-of all processors together, which tell more on a machine with other work to do.
+of all processors together, which tell more on a machine with other work to do. *Told* is the standard error that a
+certificate gives, from replicates or from a spot check.
 """
 
 from __future__ import annotations
@@ -24,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import radiosity as rad
+from radiosity.certificate.sampling import sampling_error
 from radiosity.form_factors.groups import _cells, _middles
-from radiosity.form_factors.monte_carlo import _BlockOfRows
+from radiosity.form_factors.monte_carlo import MonteCarloRows
 from radiosity.patches import locate
 from radiosity.rays import Tracer
 
@@ -69,6 +71,8 @@ def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[
     T = rad.TransportOperator(factors, patches)
     result = rad.Neumann(rtol=1e-4, keep_bytes=0).solve(T, patches.emission, patches.sky)
     done = time.perf_counter()
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    told = sampling_error(T, patches.emission, result.radiosity, patches.sky)
     np.save(out, result.radiosity)
     return {
         "patches": len(patches),
@@ -78,7 +82,8 @@ def measured(scene: str, count: int, method: str, seed: int, out: Path) -> dict[
         "bounce, processor": float(np.median([processor for _, processor in gathers])),
         "solve": done - start,
         "operator": factors.nbytes,
-        "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "peak": peak,
+        "told": told,
         **{name: value for name, value in factors.statistics.items() if name.startswith("levels/")},
     }
 
@@ -92,7 +97,7 @@ def solved(patches: rad.Patches, estimator: object) -> FloatArray:
 def gathered(patches: rad.Patches, light: FloatArray, chosen: NDArray[np.int64], seed: int) -> FloatArray:
     """B - E of some patches, from many rays of each."""
     method = rad.MonteCarlo(REFERENCE.rays, seed, light_rays=REFERENCE.light_rays)
-    rows = _BlockOfRows(method, patches, Tracer(patches.grid), 0)
+    rows = MonteCarloRows(method, patches, Tracer(patches.grid), 0)
     out = np.empty((len(chosen), patches.channels))
     for n, i in enumerate(chosen):
         row = rows((int(i), int(i) + 1))
@@ -141,7 +146,8 @@ def compare(scene: str, count: int, methods: list[str], samples: int) -> None:
             f"  {method:>16}  factors {figures['factors']:6.2f} s ({figures['processor']:6.2f})  "
             f"bounce {1e3 * figures['bounce']:6.1f} ms ({1e3 * figures['bounce, processor']:6.1f})  "
             f"solve {figures['solve']:6.2f} s  operator {figures['operator'] / 1e6:6.0f} MB  "
-            f"peak {figures['peak'] / 1e9:5.2f} GB  error {error:6.2%}"
+            f"peak {figures['peak'] / 1e9:5.2f} GB  error {error:6.2%}  "
+            + ("not told" if figures["told"] is None else f"told {figures['told']:.2%}")
             + (f"  ({alone:.0%} of patches alone)" if alone else ""),
             flush=True,
         )

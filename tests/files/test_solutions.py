@@ -15,6 +15,7 @@ from radiosity.files.solution_npz import ESTIMATORS, SOLVERS, VERSION
 from radiosity.files.solutions import read_solution, write_solution
 from radiosity.solvers import Solver
 
+from .damage import put, rewritten, say, swap
 from .same import assert_same_bits, assert_same_scene
 
 QUAD = [[0, 0, 0], [0, 0, 1], [1, 0, 1], [1, 0, 0]]
@@ -159,37 +160,6 @@ def test_a_strangers_method_is_named_and_the_light_is_read(box, tmp_path):
 
 
 # Damage
-
-
-def rewritten(saved, path, change):
-    """The archive with its arrays and header changed, and all checksums right."""
-    with np.load(saved) as file:
-        arrays = {name: file[name] for name in file.files}
-    header = json.loads(bytes(arrays.pop("header")))
-    change(header, arrays)
-    arrays["header"] = np.frombuffer(json.dumps(header).encode(), np.uint8)
-    np.savez(path, **arrays)
-
-
-def put(name, index, value):
-    def change(_header, arrays):
-        arrays[name] = arrays[name].copy()
-        arrays[name][index] = value
-
-    return change
-
-
-def swap(name, make):
-    return lambda _header, arrays: arrays.update({name: make(arrays[name])})
-
-
-def say(*keys, value):
-    def change(header, _arrays):
-        for key in keys[:-1]:
-            header = header[key]
-        header[keys[-1]] = value
-
-    return change
 
 
 @pytest.mark.parametrize(

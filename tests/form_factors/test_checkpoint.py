@@ -52,9 +52,9 @@ def stop_after(rows):
 def counted(monkeypatch):
     """Rows that are made from now on."""
     made = []
-    make = monte_carlo._BlockOfRows.__call__
+    make = monte_carlo.MonteCarloRows.__call__
     monkeypatch.setattr(
-        monte_carlo._BlockOfRows, "__call__", lambda self, span: (made.append(span[1] - span[0]), make(self, span))[1]
+        monte_carlo.MonteCarloRows, "__call__", lambda self, span: (made.append(span[1] - span[0]), make(self, span))[1]
     )
     return made
 
@@ -168,8 +168,8 @@ def test_ctrl_c_on_the_command_line_says_how_to_go_on(tmp_path, monkeypatch):
         "import sys, time\n"
         "from radiosity.form_factors import checkpoint, monte_carlo\n"
         "checkpoint.RAYS, monte_carlo.BATCH = 1 << 12, 1 << 10\n"
-        "make = monte_carlo._BlockOfRows.__call__\n"
-        "monte_carlo._BlockOfRows.__call__ = lambda self, span: (time.sleep(0.02), make(self, span))[1]\n"
+        "make = monte_carlo.MonteCarloRows.__call__\n"
+        "monte_carlo.MonteCarloRows.__call__ = lambda self, span: (time.sleep(0.02), make(self, span))[1]\n"
         "from radiosity.cli import main\n"
         "sys.exit(main(sys.argv[1:]))\n"
     )

@@ -151,7 +151,7 @@ def test_a_wrong_cosine_is_seen():
     """Negative control: directions uniform over the hemisphere instead of cosine-distributed."""
     _, patches, data = load("empty_box")
     method = rad.MonteCarlo(4096)
-    block = monte_carlo._BlockOfRows(method, patches, monte_carlo.Tracer(patches.grid), 0)
+    block = monte_carlo.MonteCarloRows(method, patches, monte_carlo.Tracer(patches.grid), 0)
     right = one_row(block, patches, lambda z: z)
     wrong = one_row(block, patches, np.square)  # z uniform instead of z² uniform
     true = data["F"][0]

@@ -196,6 +196,7 @@ def test_the_whole_way(tmp_path):
     light = np.random.default_rng(0).random((len(again.patches), 3))
     assert (again.factors.gather(light) == solution.factors.gather(light)).all()
     assert again.factors.estimator == solution.factors.estimator
+    assert again.certificate.sampling == solution.certificate.sampling > 0.005
     relit = [one.relight(emission={"lamp": 0.0, "tall_block": 1.0}).radiosity for one in (solution, again)]
     assert (relit[0] == relit[1]).all()
     assert relit[0].max() > 0.0
