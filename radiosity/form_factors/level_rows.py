@@ -37,6 +37,8 @@ BoolArray = NDArray[np.bool_]
 SURVEY_RAYS = 256  # of each group, to find out what is near
 NEAR = 1.0  # in widths of a group
 NEAR_SHARE = 0.05  # of its rays: where more end so near, a group is given up
+CORNER_RAYS = 64  # of each corner of a group that is left, to find out whether it alone sees something near
+CORNER_SHARE = 0.2  # of its rays: below the quarter that a corner on which a wall ends sees of it
 WHOLE_RAYS = 16  # along the surface of each group, to find out whether something parts it
 GRAZE = 1e-3  # of such a ray's length: what it may miss by rounding
 SURVEY, COARSE, FINE, DIRECT = 1 << 40, (1 << 40) + 1, 0, (1 << 40) + 2  # keys of random numbers, below the seed's
@@ -62,23 +64,47 @@ class Work:
         self.of_groups = Places(table, groups.face, groups.side, coarse.front, coarse.back)
         self.of_patches = Places(tracer.table, patches.face, patches.side, fine.front, fine.back)
 
-    def survey(self) -> BoolArray:
-        """Which groups are smooth, (M,): nothing stands near or on them, and their patches would cost more."""
+    def survey(self) -> tuple[BoolArray, int]:
+        """Which groups are smooth, (M,): nothing stands near or on them, and their patches would cost more.
+
+        And how many rays it took.
+        """
         run = seed_key(self.method.seed, SURVEY)
         points = _points(SURVEY_RAYS, run)
-        reach = NEAR * self.tracer.scale * np.sqrt(self.groups.area)
 
-        def block(span: tuple[int, int]) -> BoolArray:
+        def block(span: tuple[int, int]) -> tuple[BoolArray, int]:
             some = np.arange(*span)
-            origins, directions = cosine_rays(self.of_groups, some, SURVEY_RAYS, points, run)
-            apart = self._distance(origins, directions).reshape(len(some), SURVEY_RAYS)
-            return ((apart < reach[some, None]).mean(axis=1) <= NEAR_SHARE) & self._whole(some, points)
+            smooth = self._open(some, points, run) & self._whole(some, points)
+            left = some[smooth]
+            smooth[smooth] = self._open_at_corners(left, points[:, :CORNER_RAYS], run)
+            return smooth, len(some) * (SURVEY_RAYS + WHOLE_RAYS + 4) + len(left) * 4 * CORNER_RAYS
 
         spans = blocks(len(self.groups), BATCH // SURVEY_RAYS)
-        smooth = np.concatenate(list(ordered_map(block, spans, self.threads)))
+        found = list(ordered_map(block, spans, self.threads))
+        smooth = np.concatenate([one for one, _ in found])
         fine, coarse = self.patches.grid, self.groups.grid
         fewer = (coarse.columns.astype(np.int64) + 1) * (coarse.rows + 1) < fine.cells
-        return smooth & fewer[self.groups.face]
+        return smooth & fewer[self.groups.face], sum(rays for _, rays in found)
+
+    def _open(self, some: IntArray, points: NDArray[np.uint32], run: np.uint64) -> BoolArray:
+        """Groups from all over which hardly a ray meets anything near."""
+        rays = cosine_rays(self.of_groups, some, points.shape[1], points, run)
+        near = self._distance(*rays).reshape(len(some), points.shape[1]) < self._reach(some)[:, None]
+        return np.asarray(near.mean(axis=1) <= NEAR_SHARE)
+
+    def _open_at_corners(self, some: IntArray, points: NDArray[np.uint32], run: np.uint64) -> BoolArray:
+        """Groups none of whose corners looks into something that the rest of the group hardly sees, as a door's jamb.
+
+        What arrives there would be spread over four groups.
+        """
+        group, corner = np.repeat(some, 4), np.tile(np.arange(4), len(some))
+        rays = self._corner_rays(group, corner, points, run)
+        near = self._distance(*rays).reshape(len(some), 4, points.shape[1]) < self._reach(some)[:, None, None]
+        return np.asarray((near.mean(axis=2) <= CORNER_SHARE).all(axis=1))
+
+    def _reach(self, some: IntArray) -> FloatArray:
+        """How far what is near these groups may be from them, in unit coordinates."""
+        return np.asarray(NEAR * self.tracer.scale * np.sqrt(self.groups.area[some]))
 
     def _whole(self, some: IntArray, points: NDArray[np.uint32]) -> BoolArray:
         """Groups whose middle sees all of them, along their surface: nothing stands on them that would part them."""
@@ -111,7 +137,8 @@ class Work:
             begin, end = span
             rays = int(receivers.rays[begin])
             if begin < corners:
-                made = self._corner_rays(receivers, span, points[rays], runs[0])
+                group, corner = receivers.group[begin:end], receivers.corner[begin:end]
+                made = self._corner_rays(group, corner, points[rays], runs[0])
             else:
                 some = receivers.patch[begin - corners : end - corners]
                 made = cosine_rays(self.of_patches, some, rays, points_alone, runs[1])
@@ -127,10 +154,10 @@ class Work:
         return stack_rows(made, len(receivers), dtype, told, len(senders))
 
     def _corner_rays(
-        self, receivers: Receivers, span: tuple[int, int], points: NDArray[np.uint32], run: np.uint64
+        self, group: IntArray, corner: IntArray, points: NDArray[np.uint32], run: np.uint64
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Rays from corners of groups: the first two of the numbers choose the direction."""
-        group, corner, rays = receivers.group[slice(*span)], receivers.corner[slice(*span)], points.shape[1]
+        rays = points.shape[1]
         samples = np.empty((4, len(group) * rays))
         ray_samples(4 * group + corner, rays, points, run, samples)
         samples[2:] = samples[:2]

@@ -52,6 +52,11 @@ class SpotCheck:
     to_sky: FloatArray
 
     @property
+    def rays(self) -> int:
+        """Sampling rays that it took."""
+        return 2 * RAYS * len(self.patch)
+
+    @property
     def nbytes(self) -> int:
         """Bytes of the rows."""
         return sum(rows.data.nbytes + rows.indices.nbytes + rows.indptr.nbytes for rows in self.rows)

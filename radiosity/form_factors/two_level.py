@@ -26,7 +26,7 @@ from .assembly import Float
 from .direct_light import Emitters, first_rays, worthwhile_emitters
 from .elements import Receivers, Senders, senders_of
 from .groups import group_patches
-from .level_rows import SURVEY_RAYS, Work
+from .level_rows import Work
 from .levels import Levels, TwoLevelFactors
 
 GROUPS = 4096  # by default, about
@@ -104,7 +104,7 @@ class TwoLevel:
         begin = time.perf_counter()
         groups = group_patches(patches, self.side(len(patches)))
         work = Work(self, patches, tracer, groups, threads, progress)
-        smooth = work.survey()
+        smooth, looks = work.survey()
         senders = senders_of(groups, smooth)
         receivers = Receivers.of(groups, senders, self.rays, self.group_rays)
         self._check_memory(patches, senders, receivers, emitters, memory_limit)
@@ -128,7 +128,7 @@ class TwoLevel:
                 "levels/groups": len(senders.group),
                 "levels/corners": len(receivers.group),
                 "levels/patches alone": len(senders.patch),
-                "rays/traced": int(receivers.rays.sum()) + SURVEY_RAYS * len(groups),
+                "rays/traced": int(receivers.rays.sum()) + looks + (made.check.rays if made.check else 0),
                 "seconds/levels": surveyed - begin,
                 "seconds/exchange": exchanged - surveyed,
                 "seconds/direct light": time.perf_counter() - exchanged - made.statistics["seconds/spot check"],

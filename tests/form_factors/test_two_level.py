@@ -9,6 +9,7 @@ import pytest
 import radiosity as rad
 from radiosity.errors import MemoryLimitError, ParameterError
 from radiosity.form_factors import level_rows
+from radiosity.form_factors.groups import group_patches
 from radiosity.form_factors.levels import TwoLevelFactors
 from radiosity.solvers.admission import connected_components
 from tests.truths import relative_error
@@ -83,6 +84,30 @@ def test_a_matrix_of_many_patches_is_refused_with_its_bytes(small, monkeypatch):
         _ = factors.matrix
 
 
+@pytest.fixture(scope="module")
+def corridor():
+    patches = rad.subdivide(rad.scenes.corridor(), patch_count=12_000)
+    return patches, orders(patches, rad.MonteCarlo(2048, 9), 2)[2]
+
+
+def worst_in_a_group(patches, true):
+    """Of the light of order 2, over its mean: beside door jambs, some of which end at the corner of a group."""
+    factors = rad.form_factors(patches, rad.TwoLevel(group=4))
+    inside = factors.levels.smooth[group_patches(patches, factors.levels.side).of_patch]
+    found = rad.TransportOperator(factors, patches).orders(patches.emission, count=2)[2]
+    return (np.abs(found - true)[inside] / patches.reflectance[inside]).max() / (true / patches.reflectance).mean()
+
+
+def test_a_wall_that_ends_at_the_corner_of_a_group(corridor):
+    assert worst_in_a_group(*corridor) < 0.2
+
+
+def test_corners_that_nobody_looked_from_see_into_a_wall(corridor, monkeypatch):
+    """Negative control: light of a whole group would be spread from a corner that sees what is near."""
+    monkeypatch.setattr(level_rows, "CORNER_SHARE", 1.0)
+    assert worst_in_a_group(*corridor) > 0.3
+
+
 def test_furnace_by_order():
     """Every order is known: all walls emit, and each keeps half."""
     patches = rad.subdivide(rad.scenes.furnace(), patch_count=2400)
@@ -147,7 +172,8 @@ def test_no_light_goes_through_a_wall_that_stands_on_a_group():
 
 def test_groups_kept_under_a_wall_let_light_through(monkeypatch):
     """Negative control: what the survey is for."""
-    monkeypatch.setattr(level_rows, "NEAR_SHARE", 1.0)
+    for share in ("NEAR_SHARE", "CORNER_SHARE"):
+        monkeypatch.setattr(level_rows, share, 1.0)
     monkeypatch.setattr(level_rows.Work, "_whole", lambda *given: np.ones(len(given[1]), dtype=bool))
     dark, lit, joined = behind_the_wall()
     assert dark.mean() > 0.05 * np.median(lit)
