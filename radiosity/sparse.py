@@ -162,7 +162,9 @@ def _panels(columns: FloatArray, threads: int | None) -> list[tuple[int, FloatAr
     return list(ordered_map(lambda first: (first, columns[:, first : first + PANEL].ravel()), firsts, threads))
 
 
-def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = None) -> FloatArray:
+def csr_matmul(
+    matrix: csr_array, columns: NDArray[Any], threads: int | None = None, *, ahead: bool = True
+) -> FloatArray:
     """`matrix @ columns` with float64 sums.
 
     Parameters
@@ -173,6 +175,9 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
         Any number of right-hand sides in the trailing axes.
     threads : int, optional
         As many as there are processors by default.
+    ahead : bool
+        Ask for light before it is needed where there is much of it. In vain where rows next to each other take theirs
+        from the same places.
 
     Returns
     -------
@@ -191,7 +196,7 @@ def csr_matmul(matrix: csr_array, columns: NDArray[Any], threads: int | None = N
 
     def rows(block: tuple[int, int]) -> None:
         if width in (1, 3):
-            (far_rows_times_columns if flat.nbytes > FAR_BYTES else _rows_times_columns)(*arrays, *block, out)
+            (far_rows_times_columns if ahead and flat.nbytes > FAR_BYTES else _rows_times_columns)(*arrays, *block, out)
         elif width < PANEL:
             _rows_times_many(*arrays, band, *block, out)
         else:

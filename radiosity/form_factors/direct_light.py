@@ -34,7 +34,7 @@ Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 Entries = tuple[IntArray, NDArray[np.int32], FloatArray]
 
-FIRST_SHARE = 16  # one in so many shadow rays is sent first, to see whether they agree
+FIRST = 16  # shadow rays sent first, to see whether they agree, or one in so many if that is more
 CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
 COSTLY = 4.0  # first shadow rays over the larger of the budgets, above which emitters are too many to look at each
 NEGLIGIBLE = 1e-14  # a form factor that is rounding
@@ -76,7 +76,7 @@ class Emitters:
 
 def first_rays(light_rays: int) -> int:
     """How many shadow rays are sent first, of `light_rays`."""
-    return max(2, light_rays // FIRST_SHARE)
+    return max(min(light_rays, FIRST), light_rays // FIRST)
 
 
 def worthwhile_emitters(patches: Patches, rays: int, light_rays: int) -> Emitters | None:

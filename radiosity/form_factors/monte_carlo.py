@@ -44,10 +44,10 @@ class MonteCarlo:
     replicates : int
         Independent estimates among which all rays are shared; their spread gives standard errors.
     light_rays : int, optional
-        Shadow rays between a patch and an emitting face, over all replicates, where the first sixteenth of them
-        disagrees: see `direct_light`, which says when emitters are left to the sampling rays instead. 0 leaves them to
-        those always, and every row is then a plain count. By default a quarter of the rays and at least 256, which
-        makes the errors of direct and indirect light about equal; 0 with random numbers.
+        Shadow rays between a patch and an emitting face, over all replicates, where the first sixteen, or the first
+        sixteenth of them, disagree: see `direct_light`, which says when emitters are left to the sampling rays instead.
+        0 leaves them to those always, and every row is then a plain count. By default a quarter of the rays and at
+        least 256, which makes the errors of direct and indirect light about equal; 0 with random numbers.
 
     Notes
     -----

@@ -140,7 +140,10 @@ class TwoLevel:
         self, patches: Patches, senders: Senders, receivers: Receivers, emitters: Emitters | None, limit: float | None
     ) -> None:
         """Refuse what would not fit: no row has more entries than rays, most have fewer."""
-        straight = 0 if emitters is None else len(emitters) * first_rays(self.light_rays)
+        straight = 0
+        if emitters is not None:
+            shining = len(np.unique(senders.of_patch[emitters.columns]))
+            straight = min(len(emitters) * first_rays(self.light_rays), shining)
         entries = int(np.minimum(receivers.rays, len(senders)).sum()) + len(patches) * (5 + straight)
         refuse_above(
             limit_bytes(limit),
