@@ -1,10 +1,9 @@
 """Where two levels are taken without being asked for: where they were measured to be as good in clearly less time.
 
-On the Cornell box and the cluttered room, whole solves of 256 rays in two replicates against `TwoLevel()`: errors are
-equal in the cluttered room from 20 000 patches on and half as large in the Cornell box; seconds fall to 0.7 at 50 000
-patches and to 0.32 to 0.49 at 200 000, bytes to a half and a third. In a corridor and behind a screen, at 50 000
-patches, errors are equal within a seventh, in half the time. Nothing was measured under a sky, or where little is
-absorbed.
+Whole solves of 256 rays in two replicates against `TwoLevel()`, in the Cornell box, the cluttered room, behind a screen
+and in a corridor: with 50 000 patches and more its errors are 0.6 to 1.0 times as large. Seconds fall to 0.5 to 0.8 at
+50 000 patches and to 0.3 to 0.4 at 200 000, bytes to a half and a quarter. Nothing was measured under a sky, or where
+little is absorbed.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ LEAST = 50_000  # patches
 LEAST_EACH = 20.0  # patches a side of a face, on average: else there is nothing to group
 LEAST_ABSORBED = 0.01  # of what arrives: below that, light of very many bounces counts
 MOST_LEFT_OUT = 0.1  # of the rows: one matrix then has less to do
-SAVED_SECONDS, SAVED_BYTES = 0.25, 0.5  # of one matrix, at least
+SAVED_SECONDS, SAVED_BYTES = 0.2, 0.4  # of one matrix, at least
 
 
 def serve(patches: Patches, least_absorbed: float, rows_made: NDArray[np.bool_]) -> bool:

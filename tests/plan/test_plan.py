@@ -217,7 +217,7 @@ def test_two_levels_are_taken_where_they_are_as_good():
     item = plan["two levels"]
     assert isinstance(plan.estimator, rad.TwoLevel)
     assert (item.left_out, item.seconds > 0, item.bytes > 0) == (False, True, True)
-    assert "patches: instead of one matrix, as good from 50,000 on, but without a standard error" in str(plan)
+    assert "patches: instead of one matrix by MonteCarlo" in str(plan) and "as good from 50,000 on" in str(plan)
     assert isinstance(make_plan(few).estimator, rad.MonteCarlo)
     asked = rad.MonteCarlo(256, replicates=2)
     assert make_plan(many, asked).estimator is asked
