@@ -17,6 +17,7 @@ from .scene import Scene
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 COUNT_SEARCH = 64  # sizes tried around the one that bisection finds
 
@@ -263,14 +264,16 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         corner[back] = corner[front][..., [0, 3, 2, 1] if quad else [0, 2, 1, 3]]
         area[back], centroid[back], face[back], side[back] = area[front], centroid[front], lit[:, None], -1
     surface = faces.surface[face]
+    normal = faces.normal[face]
+    np.negative(normal, out=normal, where=side[:, None] < 0)
     return Patches(
         vertices=vertices,
         faces=corner,
         area=area,
-        normal=faces.normal[face] * side[:, None],
+        normal=normal,
         centroid=centroid,
         surface=surface,
-        **{name: _by_surface(scene, name)[surface] for name in ("reflectance", "absorptance", "emission")},
+        **{name: _by_patch(scene, name, surface) for name in ("reflectance", "absorptance", "emission")},
         sky=scene.sky,
         face=face,
         side=side,
@@ -281,9 +284,16 @@ def cut(scene: Scene, grid: Grid) -> Patches:
     )
 
 
-def _by_surface(scene: Scene, what: str) -> FloatArray:
-    """A property of the materials, (surfaces, C)."""
-    return np.stack([np.broadcast_to(getattr(s.material, what), scene.channels) for s in scene.surfaces])
+def _by_patch(scene: Scene, what: str, surface: NDArray[np.int32]) -> FloatArray:
+    """A property of the materials, (N, C); most patches emit nothing, and zeros that nobody writes take no memory."""
+    of_surface = np.stack([np.broadcast_to(getattr(s.material, what), scene.channels) for s in scene.surfaces])
+    some: BoolArray = np.any(of_surface != 0.0, axis=1)
+    if some.all():
+        return np.asarray(of_surface[surface])
+    of_patch = np.zeros((len(surface), scene.channels))
+    these = np.flatnonzero(some[surface])
+    of_patch[these] = of_surface[surface[these]]
+    return of_patch
 
 
 def _cut_quads(faces: Faces, members: IntArray, columns: int, rows: int) -> tuple[FloatArray, IntArray, FloatArray]:

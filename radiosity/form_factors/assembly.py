@@ -123,7 +123,7 @@ def stack_rows(
     columns : int, optional
         As many as rows by default.
     """
-    indptr = np.zeros(count + 1, dtype=np.int64)
+    lengths = np.zeros(count, dtype=np.int32)
     indices, data = np.empty(0, dtype=np.int32), np.empty(0, dtype=dtype)
     to_sky, to_backs = np.empty(count), np.empty(count)
     filled = shadow_rays = 0
@@ -133,7 +133,7 @@ def stack_rows(
             factor = MORE_ROOM if len(indices) else FIRST_ROOM
             room = max(entries.stop, int(factor * entries.stop / block.end * count))
             indices, data = _with_room(indices, room), _with_room(data, room)
-        indptr[rows.start + 1 : rows.stop + 1] = filled + np.cumsum(block.lengths)
+        lengths[rows] = block.lengths
         indices[entries], data[entries] = block.indices, block.weights
         to_sky[rows], to_backs[rows] = block.to_sky, block.to_backs
         filled = entries.stop
@@ -143,7 +143,7 @@ def stack_rows(
     indices.resize(filled, refcheck=False)
     data.resize(filled, refcheck=False)
     shape = count, count if columns is None else columns
-    return Rows(compressed(indptr, indices, data, shape), to_sky, to_backs, shadow_rays)
+    return Rows(compressed(lengths, indices, data, shape), to_sky, to_backs, shadow_rays)
 
 
 def mean_rows(runs: Sequence[Rows], dtype: Float, threads: int | None = None) -> Rows:
@@ -202,13 +202,13 @@ def _with_room(array: NDArray[Any], size: int) -> NDArray[Any]:
 
 
 def compressed(
-    indptr: NDArray[np.int64], indices: NDArray[np.int32], data: NDArray[Any], shape: tuple[int, int]
+    lengths: NDArray[np.int32], indices: NDArray[np.int32], data: NDArray[Any], shape: tuple[int, int]
 ) -> csr_array:
     """A `csr_array` of rows in order of columns, without copying what is large. Both index arrays need one type."""
     index_type = np.int32 if len(indices) < np.iinfo(np.int32).max else np.int64
-    matrix = csr_array(
-        (data, indices.astype(index_type, copy=False), indptr.astype(index_type)), shape=shape, copy=False
-    )
+    indptr = np.zeros(len(lengths) + 1, dtype=index_type)
+    np.cumsum(lengths, out=indptr[1:])
+    matrix = csr_array((data, indices.astype(index_type, copy=False), indptr), shape=shape, copy=False)
     matrix.has_sorted_indices = True
     matrix.has_canonical_format = True
     return matrix

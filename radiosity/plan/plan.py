@@ -353,8 +353,8 @@ def _levels(plan: Plan, found: _Found) -> Item:
         one = replace(plan, estimator=MonteCarlo(rays=RAYS, replicates=REPLICATES))
         seconds, size = (count * part for part in _row_cost(one, found.threads))
         story = (
-            f"{count:,} patches: instead of one matrix by {one.estimator}, as good from {least:,} on; a spot check tells "
-            "how wrong they are"
+            f"{count:,} patches: instead of one matrix by {one.estimator}, as good from {least:,} on; "
+            "a spot check tells how wrong they are"
         )
         return Item("two levels", False, story, two_levels.SAVED_SECONDS * seconds, two_levels.SAVED_BYTES * size)
     if isinstance(plan.estimator, TwoLevel):
