@@ -54,7 +54,8 @@ def solve(
         Longest edge that a patch may have, m.
     estimator : MonteCarlo or Hemicube, optional
         How form factors are computed; ``MonteCarlo(rays=256, replicates=2)`` by default, so that the certificate
-        knows the sampling error, and ``TwoLevel()`` from 50 000 patches on where that is as good, see `plan`.
+        knows the sampling error; ``Analytic()`` for up to 1000 patches among which nothing is hidden, and
+        ``TwoLevel()`` from 50 000 patches on where that is as good, see `plan`.
     solver : Solver, optional
         ``Neumann(rtol=1e-6)`` by default, or ``ConjugateGradient`` on conserved factors where so little is absorbed
         that the series would need more than a thousand bounces.

@@ -55,6 +55,7 @@ class Analytic:
 
     rays: ClassVar[int] = 0
     replicates: ClassVar[int] = 1
+    exact: ClassVar[bool] = True
 
     def rows(self, patches: Patches, tracer: Tracer | None = None, replicate: int = 0) -> RowMaker:  # noqa: ARG002
         """What makes the rows; it sends no rays, and there is but one estimate.

@@ -125,7 +125,7 @@ def stack_rows(
     """
     lengths = np.zeros(count, dtype=np.int32)
     indices, data = np.empty(0, dtype=np.int32), np.empty(0, dtype=dtype)
-    to_sky, to_backs = np.empty(count), np.empty(count)
+    to_sky, to_backs = np.zeros(count), np.zeros(count)
     filled = shadow_rays = 0
     for block in made:
         rows, entries = slice(block.begin, block.end), slice(filled, filled + len(block.indices))
@@ -135,7 +135,9 @@ def stack_rows(
             indices, data = _with_room(indices, room), _with_room(data, room)
         lengths[rows] = block.lengths
         indices[entries], data[entries] = block.indices, block.weights
-        to_sky[rows], to_backs[rows] = block.to_sky, block.to_backs
+        for shares, found in ((to_sky, block.to_sky), (to_backs, block.to_backs)):
+            if found.any():  # zeros that nobody writes take no memory
+                shares[rows] = found
         filled = entries.stop
         shadow_rays += block.shadow_rays
         if done is not None:

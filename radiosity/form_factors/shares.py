@@ -17,5 +17,9 @@ def without_leaks(to_sky: FloatArray, patches: Patches) -> tuple[FloatArray, flo
 
     Rays that leave a closed scene have leaked, but for those of patches that see nothing else: outside.
     """
-    inside = to_sky < ALL if patches.closed else np.zeros(len(patches), dtype=bool)
-    return np.where(inside, 0.0, to_sky), float(np.mean(np.where(inside, to_sky, 0.0)))
+    if not patches.closed:
+        return to_sky, 0.0
+    outside = to_sky >= ALL
+    kept = np.zeros(len(patches))
+    kept[outside] = to_sky[outside]
+    return kept, float(np.mean(to_sky - kept))

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..convex import is_convex_room
-from ..form_factors import MonteCarlo, TwoLevel
+from ..form_factors import Analytic, MonteCarlo, TwoLevel
 from ..form_factors.direct_light import worthwhile_emitters
 from ..form_factors.estimate import Estimator
 from ..form_factors.some_rows import RowChoice
 from ..patches import Patches
 from ..solvers import ConjugateGradient, Neumann, Solver
-from . import two_levels
+from . import exact, two_levels
 from .channels import Channels, all_channels, find_alike
 from .reach import Reach, reach
 
@@ -197,6 +197,8 @@ def make_plan(
         estimator = TwoLevel()
         found = _Found(patches, bounces, solver, threads, leave_out, at_will=False)
         found.levels_chosen = True
+    elif free and exact.serve(patches):
+        estimator = Analytic()
     few = solver is None and bounces is None and found.bounces_expected > MANY_BOUNCES
     chosen = (ConjugateGradient(rtol=rtol) if few else Neumann(rtol=rtol)) if solver is None else solver
     if dtype is None:
@@ -253,6 +255,7 @@ class _Found:
 
 
 def _items(plan: Plan, found: _Found) -> Iterator[Item]:
+    yield _sampling(plan)
     yield _tracing(plan, found)
     yield from _rows(plan, found)
     yield _channels(plan)
@@ -275,6 +278,15 @@ def _row_cost(plan: Plan, threads: int) -> tuple[float, float]:
     copies = 1 if getattr(plan.estimator, "replicates", 1) == 1 else 2
     seconds = RAY_SECONDS * _rays_each(plan) / threads if _rays_each(plan) else 6e-7 * len(plan.patches) / threads
     return seconds, copies * entries * (4 + np.dtype(plan.dtype).itemsize)
+
+
+def _sampling(plan: Plan) -> Item:
+    count = len(plan.patches)
+    if not _rays_each(plan):
+        return Item("sampling", True, f"nothing hides anything, and {count:,} patches are few: all pairs are exact")
+    if count > exact.MOST:
+        return Item("sampling", False, f"{count:,} patches make too many pairs for exact factors")
+    return Item("sampling", False, "surfaces may hide each other, or rays were asked for")
 
 
 def _tracing(plan: Plan, found: _Found) -> Item:

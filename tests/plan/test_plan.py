@@ -276,7 +276,7 @@ def test_a_plan_is_foretold_and_printed():
     text = str(plan)
     assert "left out:" in text
     assert f"dark patches: {plan.dark.sum()} patches stay dark" in text
-    with pytest.raises(KeyError, match="no item 'sleep'; it has tracing, empty sides"):
+    with pytest.raises(KeyError, match="no item 'sleep'; it has sampling, tracing, empty sides"):
         plan["sleep"]
 
 
