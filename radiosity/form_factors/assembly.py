@@ -106,6 +106,7 @@ def stack_rows(
     dtype: Float,
     done: Callable[[int], None] | None = None,
     columns: int | None = None,
+    most: int | None = None,
 ) -> Rows:
     """Put finished row blocks, which come in order, into one CSR matrix.
 
@@ -122,6 +123,8 @@ def stack_rows(
         Told how many rows are ready.
     columns : int, optional
         As many as rows by default.
+    most : int, optional
+        Entries in all, at most; to be given where the first rows are longer than others.
     """
     lengths = np.zeros(count, dtype=np.int32)
     indices, data = np.empty(0, dtype=np.int32), np.empty(0, dtype=dtype)
@@ -131,7 +134,8 @@ def stack_rows(
         rows, entries = slice(block.begin, block.end), slice(filled, filled + len(block.indices))
         if entries.stop > len(indices):
             factor = MORE_ROOM if len(indices) else FIRST_ROOM
-            room = max(entries.stop, int(factor * entries.stop / block.end * count))
+            foretold = int(factor * entries.stop / block.end * count)
+            room = max(entries.stop, foretold if most is None else min(foretold, most))
             indices, data = _with_room(indices, room), _with_room(data, room)
         lengths[rows] = block.lengths
         indices[entries], data[entries] = block.indices, block.weights

@@ -282,6 +282,15 @@ def _disagree(met: NDArray[np.int32], weight: FloatArray) -> NDArray[np.bool_]:
 
 
 @kernel
+def _put(place, known, found, count):  # type: ignore[no-untyped-def]
+    """Add a place to the `count` that are found, unless it is; how many there are then."""
+    if not known[place]:
+        known[place], found[count] = True, place
+        count += 1
+    return count
+
+
+@kernel
 def _collect(row, emitter, factor, undecided, first, more, counted, places):  # type: ignore[no-untyped-def]
     """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
 
@@ -294,9 +303,10 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
     lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
     of_patch, place = places.of_patch, places.place
     tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
+    found = np.empty(len(places.emitting), np.int32)  # places of the row so far: few of all that emit
     filled = p = looked = end = 0
     for k in range(rows):
-        start, found = filled, False
+        count = 0
         begin, end = end, end + counted.lengths[k]
         while p < row.shape[0] and row[p] == k:
             met, kernel = first.met[p], first.kernel[p]
@@ -317,19 +327,17 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
                 for r in range(met.shape[0]):
                     if met[r] >= 0 and kernel[r] > 0.0:
                         tally[place[met[r]]] += share * n * kernel[r] / through
-                        known[place[met[r]]] = found = True
+                        count = _put(place[met[r]], known, found, count)
                 for q in range(begin, end):
                     if of_patch[counted.indices[q]] == emitter[p]:
                         tally[place[counted.indices[q]]] += share * counted.hits[q]
-                        known[place[counted.indices[q]]] = found = True
+                        count = _put(place[counted.indices[q]], known, found, count)
             p += 1
-        if found:
-            for c in range(known.shape[0]):  # in the order of the patches
-                if known[c]:
-                    indices[filled], weights[filled] = places.emitting[c], tally[c]
-                    tally[c], known[c] = 0.0, False
-                    filled += 1
-        lengths[k] = filled - start
+        for c in np.sort(found[:count]):  # in the order of the patches
+            indices[filled], weights[filled] = places.emitting[c], tally[c]
+            tally[c], known[c] = 0.0, False
+            filled += 1
+        lengths[k] = count
     return lengths, indices[:filled].copy(), weights[:filled].copy()
 
 

@@ -79,6 +79,10 @@ class Receivers(NamedTuple):
         rays = np.concatenate([rays[most_first], alone])
         return cls(point, order, group[most_first], corner[most_first], senders.patch, rays)
 
+    def entries(self, senders: int) -> int:
+        """Entries of their rows over so many senders, at most."""
+        return int(np.minimum(self.rays, senders).sum())
+
     def at(self, point: IntArray) -> IntArray:
         """Receivers at lattice points."""
         return self.order[np.searchsorted(self.point, point)]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, hstack
+from scipy.sparse import csr_array, hstack
 
 from ..parallel import blocks, ordered_map
 from ..patches import Patches
@@ -151,7 +151,7 @@ class Work:
             self.progress("form factors", done, len(receivers))
 
         made = ordered_map(rows, list(_spans(receivers)), self.threads)
-        return stack_rows(made, len(receivers), dtype, told, len(senders))
+        return stack_rows(made, len(receivers), dtype, told, len(senders), receivers.entries(len(senders)))
 
     def _corner_rays(
         self, group: IntArray, corner: IntArray, points: NDArray[np.uint32], run: np.uint64
@@ -239,7 +239,10 @@ class _Spread:
         only = (rest <= 0.0) | (brought > 1.0)
         scale = np.where(only, 0.0, 1.0 - brought) / np.where(rest > 0.0, rest, 1.0)
         full = np.where(only & (brought > 0.0), 1.0 / np.where(brought > 0.0, brought, 1.0), 1.0)
-        rows = csr_array(hstack([diags_array(scale) @ spread, diags_array(full) @ straight], format="csr"))
+        for part, factor in ((spread, scale), (straight, full)):  # in place: a product would touch every column
+            part.data *= np.repeat(factor, np.diff(part.indptr))
+        rows = csr_array(hstack([spread, straight], format="csr"))
+        rows.eliminate_zeros()
         rows.sort_indices()
         return RowBlock(
             begin,

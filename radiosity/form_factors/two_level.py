@@ -144,7 +144,7 @@ class TwoLevel:
         if emitters is not None:
             shining = len(np.unique(senders.of_patch[emitters.columns]))
             straight = min(len(emitters) * first_rays(self.light_rays), shining)
-        entries = int(np.minimum(receivers.rays, len(senders)).sum()) + len(patches) * (5 + straight)
+        entries = receivers.entries(len(senders)) + len(patches) * (5 + straight)
         refuse_above(
             limit_bytes(limit),
             ENTRY * entries,
