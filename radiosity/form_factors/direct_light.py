@@ -282,15 +282,6 @@ def _disagree(met: NDArray[np.int32], weight: FloatArray) -> NDArray[np.bool_]:
 
 
 @kernel
-def _put(place, known, found, count):  # type: ignore[no-untyped-def]
-    """Add a place to the `count` that are found, unless it is; how many there are then."""
-    if not known[place]:
-        known[place], found[count] = True, place
-        count += 1
-    return count
-
-
-@kernel
 def _collect(row, emitter, factor, undecided, first, more, counted, places):  # type: ignore[no-untyped-def]
     """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
 
@@ -303,10 +294,10 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
     lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
     of_patch, place = places.of_patch, places.place
     tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
-    found = np.empty(len(places.emitting), np.int32)  # places of the row so far: few of all that emit
+    run = np.zeros((len(places.emitting) >> 6) + 1, np.bool_)  # whether any of 64 are known: few of all that emit
     filled = p = looked = end = 0
     for k in range(rows):
-        count = 0
+        start, found = filled, False
         begin, end = end, end + counted.lengths[k]
         while p < row.shape[0] and row[p] == k:
             met, kernel = first.met[p], first.kernel[p]
@@ -326,18 +317,25 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
                 share = factor[p] * through / kernel.sum() / (n + C)
                 for r in range(met.shape[0]):
                     if met[r] >= 0 and kernel[r] > 0.0:
-                        tally[place[met[r]]] += share * n * kernel[r] / through
-                        count = _put(place[met[r]], known, found, count)
+                        c = place[met[r]]
+                        tally[c] += share * n * kernel[r] / through
+                        known[c] = run[c >> 6] = found = True
                 for q in range(begin, end):
                     if of_patch[counted.indices[q]] == emitter[p]:
-                        tally[place[counted.indices[q]]] += share * counted.hits[q]
-                        count = _put(place[counted.indices[q]], known, found, count)
+                        c = place[counted.indices[q]]
+                        tally[c] += share * counted.hits[q]
+                        known[c] = run[c >> 6] = found = True
             p += 1
-        for c in np.sort(found[:count]):  # in the order of the patches
-            indices[filled], weights[filled] = places.emitting[c], tally[c]
-            tally[c], known[c] = 0.0, False
-            filled += 1
-        lengths[k] = count
+        if found:
+            for m in range(run.shape[0]):  # in the order of the patches
+                if run[m]:
+                    run[m] = False
+                    for c in range(64 * m, min(64 * m + 64, known.shape[0])):
+                        if known[c]:
+                            indices[filled], weights[filled] = places.emitting[c], tally[c]
+                            tally[c], known[c] = 0.0, False
+                            filled += 1
+        lengths[k] = filled - start
     return lengths, indices[:filled].copy(), weights[:filled].copy()
 
 
