@@ -202,7 +202,8 @@ def make_plan(
     few = solver is None and bounces is None and found.bounces_expected > MANY_BOUNCES
     chosen = (ConjugateGradient(rtol=rtol) if few else Neumann(rtol=rtol)) if solver is None else solver
     if dtype is None:
-        dtype = np.float64 if few or found.least_absorbed < SMALL or not leave_out else np.float32
+        digits = few or found.least_absorbed < SMALL or not leave_out or isinstance(estimator, Analytic)
+        dtype = np.float64 if digits else np.float32
     plan = Plan(
         patches=patches,
         estimator=estimator,
@@ -381,7 +382,7 @@ def _digits(plan: Plan, found: _Found) -> Item:
     if plan.dtype is np.float32:
         story = f"float32 is enough for absorptances of {found.least_absorbed:.3g} and more"
         return Item("float64", True, story, bytes=4 * entries)
-    story = "asked for, or so little is absorbed that float32 would move the answer"
+    story = "asked for, or factors are exact, or so little is absorbed that float32 would move the answer"
     return Item("float64", False, story)
 
 

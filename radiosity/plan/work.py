@@ -190,8 +190,8 @@ def plan(
     Examples
     --------
     >>> import radiosity as rad
-    >>> print(rad.plan(rad.scenes.furnace(), patch_count=96)["tracing"].story)
-    the room is convex: a ray meets the wall whose plane it reaches first
+    >>> print(rad.plan(rad.scenes.furnace(), patch_count=96)["sampling"].story)
+    nothing hides anything, and 96 patches are few: all pairs are exact
     """
     check_bounces(solver or Neumann(), bounces)
     if patch_count is None and patch_size is None:
