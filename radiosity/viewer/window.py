@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 PROJECTOR_SCALE = 1.5
 PLAY_MILLISECONDS = 700
+TURN = 0.1  # s, that work beside the window gets at every tick
 ROWS = (0.085, 0.695, 0.22)  # titles, panes, dashboard
 PROJECTOR_ROWS = (0.1, 0.59, 0.31)  # with room for larger type
 
@@ -273,9 +274,11 @@ class Window:
             worker = ThreadPoolExecutor(1)
             self._pending = worker.submit(lambda: solution.certificate)
             worker.shutdown(wait=False)
-        elif self._pending is not None and self._pending.done():
-            self._pending = None
-            return self.certificate() is not None
+        elif self._pending is not None:
+            wait([self._pending], timeout=TURN)  # VTK holds the interpreter while it waits: the work has no other turn
+            if self._pending.done():
+                self._pending = None
+                return self.certificate() is not None
         return False
 
     def word_scale(self) -> float:

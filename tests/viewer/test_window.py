@@ -1,5 +1,6 @@
 """The window, driven by the events that VTK sends for keys, sliders and clocks."""
 
+import ctypes
 import os
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ from PIL import Image
 import radiosity as rad
 from radiosity.errors import DisplayError
 from radiosity.viewer import view
+from radiosity.viewer import window as window_module
 from radiosity.viewer.commands import COMMANDS
 from radiosity.viewer.compare import EQUATION
 from radiosity.viewer.dashboard import WIDTH
@@ -320,3 +322,35 @@ def test_a_step_of_the_slider_is_quick_without_a_graphics_card(patches: int, lim
         times.append(time.perf_counter() - begin)
     window.close()
     assert float(np.median(times)) <= limit, times
+
+
+def ticks_until_the_verdict(window: Window, monkeypatch, most: int = 30) -> int:
+    """Between the ticks of a real window, VTK waits for events and lets no other thread run."""
+    _ = window.solution.__dict__.pop("certificate", None)
+
+    def slow(solution: rad.Solution) -> str:
+        end = time.thread_time() + 0.3
+        while time.thread_time() < end:  # of the interpreter's work
+            pass
+        solution.__dict__["certificate"] = "sure"
+        return "sure"
+
+    monkeypatch.setattr(type(window.solution), "certificate", property(slow))
+    hold = ctypes.PyDLL(None).usleep
+    for count in range(most):
+        if window._certify():
+            return count
+        hold(20_000)
+    return most
+
+
+@pytest.mark.skipif(os.name != "posix", reason="usleep")
+def test_the_verdict_comes_although_vtk_holds_the_interpreter(window: Window, monkeypatch) -> None:
+    assert ticks_until_the_verdict(window, monkeypatch) < 15
+
+
+@pytest.mark.skipif(os.name != "posix", reason="usleep")
+def test_without_a_turn_of_its_own_the_verdict_does_not_come(window: Window, monkeypatch) -> None:
+    """Negative control."""
+    monkeypatch.setattr(window_module, "TURN", 0.0)
+    assert ticks_until_the_verdict(window, monkeypatch) == 30
