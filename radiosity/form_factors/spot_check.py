@@ -56,11 +56,6 @@ class SpotCheck:
         """Sampling rays that it took."""
         return 2 * RAYS * len(self.patch)
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes of the rows."""
-        return sum(rows.data.nbytes + rows.indices.nbytes + rows.indptr.nbytes for rows in self.rows)
-
     def arriving(self, light: FloatArray, from_sky: FloatArray) -> FloatArray:
         """What arrives at the n patches, twice, (2, n, C), of light (N, C) and irradiance (C,) of an open sky."""
         found = [

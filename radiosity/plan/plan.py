@@ -284,7 +284,7 @@ def _row_cost(plan: Plan, threads: int) -> tuple[float, float]:
 def _sampling(plan: Plan) -> Item:
     count = len(plan.patches)
     if not _rays_each(plan):
-        return Item("sampling", True, f"nothing hides anything, and {count:,} patches are few: all pairs are exact")
+        return Item("sampling", True, f"nothing hides anything among {count:,} patches: all pairs are exact")
     if count > exact.MOST:
         return Item("sampling", False, f"{count:,} patches make too many pairs for exact factors")
     return Item("sampling", False, "surfaces may hide each other, or rays were asked for")

@@ -191,7 +191,7 @@ def plan(
     --------
     >>> import radiosity as rad
     >>> print(rad.plan(rad.scenes.furnace(), patch_count=96)["sampling"].story)
-    nothing hides anything, and 96 patches are few: all pairs are exact
+    nothing hides anything among 96 patches: all pairs are exact
     """
     check_bounces(solver or Neumann(), bounces)
     if patch_count is None and patch_size is None:
