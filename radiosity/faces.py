@@ -108,6 +108,8 @@ def _faces_of(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
     given_quads = np.flatnonzero(padded[:, 3] >= 0)
     quads = surface.vertices[padded[given_quads]]
     good = _planar_convex(quads)
+    if len(quads) == len(padded) and good.all():
+        return quads, good
     halves, halves_face = _split(surface, quads[~good], given_quads[~good])
     given_triangles = np.flatnonzero(padded[:, 3] < 0)
     triangles = surface.vertices[padded[given_triangles, :3]]

@@ -211,11 +211,16 @@ def _edge_lengths(faces: Faces, combine: Callable[..., Any] = np.mean) -> tuple[
     return np.where(faces.quad, along, longest), np.where(faces.quad, across, longest)
 
 
-def _steps_for_count(faces: Faces, patch_count: int) -> tuple[IntArray, IntArray]:
-    """Steps that give patches of about equal area, as near to the count as whole steps allow."""
+def edges_to_cut(faces: Faces) -> tuple[FloatArray, FloatArray]:
+    """Lengths along and across each face that steps of one size go into, (F,) each, m."""
     along, across = _edge_lengths(faces)
     side = np.sqrt(faces.area)  # a triangle of area A cut into n² has patches of (√A / n)²
-    along, across = np.where(faces.quad, along, side), np.where(faces.quad, across, side)
+    return np.where(faces.quad, along, side), np.where(faces.quad, across, side)
+
+
+def _steps_for_count(faces: Faces, patch_count: int) -> tuple[IntArray, IntArray]:
+    """Steps that give patches of about equal area, as near to the count as whole steps allow."""
+    along, across = edges_to_cut(faces)
     sides = 1 + faces.two_sided
 
     def steps(size: float) -> tuple[IntArray, IntArray]:
@@ -286,7 +291,8 @@ def cut(scene: Scene, grid: Grid) -> Patches:
 
 def _by_patch(scene: Scene, what: str, surface: NDArray[np.int32]) -> FloatArray:
     """A property of the materials, (N, C); most patches emit nothing, and zeros that nobody writes take no memory."""
-    of_surface = np.stack([np.broadcast_to(getattr(s.material, what), scene.channels) for s in scene.surfaces])
+    channels = scene.channels
+    of_surface = np.stack([np.broadcast_to(getattr(s.material, what), channels) for s in scene.surfaces])
     some: BoolArray = np.any(of_surface != 0.0, axis=1)
     if some.all():
         return np.asarray(of_surface[surface])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import radiosity as rad
 from radiosity.errors import GeometryError, GeometryWarning
 from radiosity.faces import encloses, source_faces
+from radiosity.geometry import cross
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 INWARD = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])[:, ::-1]
@@ -105,3 +106,8 @@ def test_what_does_not_enclose():
     assert not encloses(source_faces(scene((CUBE, INWARD[:5])))), "a hole"
     assert not encloses(source_faces(scene((CUBE, INWARD[:, ::-1])))), "seen from outside"
     assert not encloses(source_faces(scene((CUBE, INWARD), (2 + CUBE, INWARD[:, ::-1])))), "a block outside"
+
+
+def test_products_of_vectors_are_those_of_numpy():
+    a, b = np.random.default_rng(4).normal(size=(2, 7, 4, 3))
+    assert cross(a, b).tobytes() == np.cross(a, b).tobytes()

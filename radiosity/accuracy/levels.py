@@ -20,10 +20,12 @@ from ..plan.work import Light, Work, light, tracer_of
 from ..solvers import ConjugateGradient, Neumann
 from ..solvers.bound import error_bound
 from ..transport import TransportOperator
+from .grids import ratios
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
+LIGHT_RAYS = 32  # shadow rays of a replicate: few err together in a whole room, which two replicates hardly tell
 SPREAD_RTOL = 0.03  # of what one replicate's light is off by
 NOISE = 0.25  # of the spread of a gap (in squares), below which its size is not told from 0
 MOST_BOUNCES = 500  # of that difference, which falls like the light itself
@@ -100,14 +102,19 @@ class Level(NamedTuple):
     noise: float
 
     @property
+    def ratios(self) -> tuple[float, float]:
+        """Discretisation error of the patches, and of the groups, over the gap."""
+        return ratios(self.patches.grid, self.groups.grid)
+
+    @property
     def each(self) -> int:
         """Rays of a replicate."""
         return self.method.rays // self.method.replicates
 
 
 def method_of(each: int, replicates: int, seed: int) -> MonteCarlo:
-    """Replicates of so many rays each, with half as many shadow rays."""
-    light_rays = max(2, 1 << round(math.log2(each / 2)))
+    """Replicates of so many rays each, with half as many shadow rays, but not too few to tell their error."""
+    light_rays = 1 << round(math.log2(max(each / 2, min(each, LIGHT_RAYS))))
     return MonteCarlo(each * replicates, seed, replicates=replicates, light_rays=light_rays * replicates)
 
 

@@ -1,8 +1,7 @@
 """Patches and rays for a stated accuracy: tried, judged by the light itself, and chosen again.
 
-Measured on boxes, rooms with furniture and corridors: the error of patches is 0.45 to 0.9 of the gap to the same
-patches put together in fours, that of the groups 1.3 to 1.5; sampling falls as rays^-0.67 in one Sobol sequence, and as
-the root of their number in independent ones; discretisation as the area of a patch to the power of 0.4 to 0.7.
+Measured on boxes, rooms with furniture and corridors: sampling falls as rays^-0.67 in one Sobol sequence, and as the
+root of their number in independent ones. What is said of discretisation is in `grids`.
 """
 
 from __future__ import annotations
@@ -16,35 +15,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AccuracyWarning, ParameterError
-from ..faces import source_faces
+from ..faces import Faces, source_faces
 from ..memory import limit_bytes
 from ..nested import finer
-from ..patches import Grid, Patches, cut, grid_of
+from ..patches import Grid, Patches, cut
 from ..plan.work import Light, Work
 from ..scene import Scene
 from ..solvers import Neumann
+from .grids import first_grid, halved, other_grids, patch_count
 from .levels import Level, groups_of, light_of_groups, method_of, solve_level, with_replicates
 from .result import Accuracy, Trial
 
 FloatArray = NDArray[np.float64]
 
-FINE, COARSE = 0.75, 1.4  # discretisation error of patches, and of groups of four, over their gap
 RAYS_POWER = 0.67  # how the sampling error falls with the rays of a replicate
-AREA_POWER = 0.6  # how discretisation falls with the area of a patch
-SIZES = 1.2 ** np.arange(-32.0, 9.0)  # of a patch's area, which are thought of
 TYPICAL_RAY = 0.3  # sampling error of one ray in two replicates in a usual scene, if it fell so all the way
-TYPICAL_PATCHES = 0.011  # discretisation error of the first patches in a usual scene
-FIRST = 0.9  # of the target: what a first trial is made for …
-LEAST_LEFT = 0.5  # … if so much of it is left for sampling; else its patches will hardly do, as few rays show
-PILOT_RAYS = 48
+TYPICAL_SIDE = 0.016  # discretisation error of a usual scene with two patches for each side of a face, and …
+SIDES = 80  # … so many more
+PATCHES_POWER = 0.6  # how it falls with more patches than there are sides
+SHARE = 0.65  # of the target: discretisation that the first trial is made for
+FIRST = 0.92  # of the target: what a first trial is made for, in all
+PILOT = 0.008  # target below which a first trial only shows what will do, …
+PILOT_RAYS = 32  # … with so many rays in a replicate
+ELSEWHERE = 1.1  # of the discretisation error foretold for other patches, to be safe
 LEAST_RAYS, MOST_RAYS = 16, 1 << 16  # of a replicate
 TRUNCATION = 0.02  # of the target
-AIM = 0.97  # of the target, so that one more trial is seldom needed
-CLEAR = 0.35  # of the target: a gap that is known to this is known well enough
-LEAST_MORE = 48  # groups of patches beyond one a face: large faces are cut, as their gap would else say little
-MANY_SIDES = 300  # up to which there is one more for each, too, and beyond one for every third
+AIM = 0.96  # of the target, so that one more trial is seldom needed
 PER_PATCH = 90.0  # rays that a patch costs beside its own
-PER_TRIAL = 3e4  # rays that one more trial costs
+PER_TRIAL = 5e4  # rays that one more trial costs
 MOST_TRIALS = 8
 ENTRY_BYTES = 24  # of a ray, at most: the factors, their replicates, and work under way
 
@@ -67,10 +65,10 @@ class _Answer(NamedTuple):
 
 
 class _Choice(NamedTuple):
-    """A next trial: fine patches, replicates, rays of each; `same` if it only adds replicates to the last."""
+    """A next trial: its patches, replicates, rays of each; `same` if it only adds replicates to the last."""
 
     cost: float
-    patches: int
+    grid: Grid
     replicates: int
     each: int
     same: bool
@@ -123,52 +121,37 @@ class _Search:
 
     def free(self) -> Found:
         """Patches as many as it takes."""
+        pilot = self.target < PILOT
         faces = source_faces(self.scene)
-        sides = int((1 + faces.two_sided).sum())
-        least = sides + max(LEAST_MORE, min(sides, MANY_SIDES + sides // 3))
-        level = self._level(grid_of(faces, least), self._typical_rays())
-        answer = self._note(level, groups_only=False)
-        while self._goes_on():
-            choice = self._choose(level, 4 * least)
-            if choice is None:
-                break
-            if choice.same:
-                level = with_replicates(level, choice.replicates, self.work)
-            else:
-                same = choice.patches == len(level.patches)
-                grid = level.groups.grid if same else grid_of(faces, choice.patches // 4)
-                level = self._level(grid, choice.each)
-            answer = self._note(level, groups_only=False)
-        return self._end(level, answer)
+        fine = first_grid(faces, _typical_patches(faces, SHARE * self.target * (2 if pilot else 1)))
+        each = PILOT_RAYS if pilot else _typical_rays(self.target, faces, patch_count(fine))
+        level = self._level(fine, halved(fine), each)
+        return self._refined(level, groups_only=False)
 
     def on(self, patches: Patches) -> Found:
         """Patches as they were asked for: only rays and bounces are chosen."""
-        level = self._level(patches.grid, _even(self._typical_rays() / 4))
-        answer = self._note(level, groups_only=True)
-        while self._goes_on() and answer.discretisation - COARSE * level.noise < AIM * self.target:
-            choice = self._choose(level, None)
+        each = _even((TYPICAL_RAY / self.target) ** (1.0 / RAYS_POWER) / 4)
+        return self._refined(self._level(finer(patches.grid, 2), patches.grid, each), groups_only=True)
+
+    def _refined(self, level: Level, groups_only: bool) -> Found:
+        """One trial after the other until one will do, or no other would."""
+        answer = self._note(level, groups_only)
+        while self.trials[-1].total > self.target and len(self.trials) < MOST_TRIALS:
+            hopeless = groups_only and answer.discretisation - level.ratios[1] * level.noise >= AIM * self.target
+            choice = None if hopeless else self._choose(level, groups_only)
             if choice is None:
                 break
             if choice.same:
                 level = with_replicates(level, choice.replicates, self.work)
             else:
-                level = self._level(patches.grid, choice.each)
-            answer = self._note(level, groups_only=True)
+                coarse = level.groups.grid if choice.grid is level.patches.grid else halved(choice.grid)
+                level = self._level(choice.grid, coarse, choice.each)
+            answer = self._note(level, groups_only)
         return self._end(level, answer)
 
-    def _goes_on(self) -> bool:
-        return self.trials[-1].total > self.target and len(self.trials) < MOST_TRIALS
-
-    def _typical_rays(self) -> int:
-        """Of a replicate, for the first trial in a usual scene."""
-        left = _beside(FIRST * self.target, TYPICAL_PATCHES)
-        if left < LEAST_LEFT * self.target:
-            return PILOT_RAYS
-        return _even((TYPICAL_RAY / left) ** (1.0 / RAYS_POWER))
-
-    def _level(self, coarse: Grid, each: int) -> Level:
-        """Two replicates of so many rays from the patches of a grid cut in four."""
-        patches = cut(self.scene, finer(coarse, 2))
+    def _level(self, fine: Grid, coarse: Grid, each: int) -> Level:
+        """Two replicates of so many rays from the patches of a grid."""
+        patches = cut(self.scene, fine)
         level = solve_level(patches, groups_of(patches, coarse), method_of(each, 2, self.seed), self.rtol, self.work)
         if level.truncation > 0 and isinstance(level.light.plan.solver, Neumann):  # aim at what it should be next time
             goal = 0.8 * TRUNCATION * self.target
@@ -177,57 +160,43 @@ class _Search:
 
     def _answers(self, level: Level) -> tuple[_Answer, _Answer]:
         """Of the patches, and of the groups."""
-        pairs = (level.sampling, FINE * level.gap), (level.of_groups, COARSE * level.gap)
+        pairs = zip((level.sampling, level.of_groups), level.ratios, strict=True)
         return tuple(  # type: ignore[return-value]  # there are two
-            _Answer(math.hypot(s, d) + level.truncation, groups == 1, s, d) for groups, (s, d) in enumerate(pairs)
+            _Answer(math.hypot(s, ratio * level.gap) + level.truncation, groups == 1, s, ratio * level.gap)
+            for groups, (s, ratio) in enumerate(pairs)
         )
 
-    def _choose(self, level: Level, least: int | None) -> _Choice | None:
-        """The next trial that should reach the target with the least work; if `least` is None, for groups as now."""
-        count, replicates = len(level.patches), level.method.replicates
+    def _choose(self, level: Level, groups_only: bool) -> _Choice | None:
+        """The next trial that should reach the target with the least work."""
+        here, replicates = level.patches.grid, level.method.replicates
         goal = (AIM - TRUNCATION) * self.target
-        others = [] if least is None else [other for other in self._finer_and_coarser(level) if other[0] >= least]
+        others = [] if groups_only else list(other_grids(here))
         choices = []
-        for answer in self._answers(level)[1 if least is None else 0 :]:
-            for many, growth in [(count, 1.0), *others]:
-                left = _beside(goal, answer.discretisation * growth)
+        for answer in self._answers(level)[1 if groups_only else 0 :]:
+            for grid, count, growth in [(here, len(level.patches), 1.0), *others]:
+                safe = 1.0 if grid is here else ELSEWHERE
+                left = _beside(goal, answer.discretisation * growth * safe)
                 if left < 0.2 * self.target:
                     continue
                 each = self._rays_for(level, answer.sampling, left)
-                choices.append(_Choice(many * (PER_PATCH + 2 * each) + PER_TRIAL, many, 2, each, same=False))
+                choices.append(_Choice(count * (PER_PATCH + 2 * each) + PER_TRIAL, grid, 2, each, same=False))
                 more = math.ceil(replicates * (answer.sampling / left) ** 2)
-                if many == count and replicates < more <= 2 * replicates and not level.light.plan.conserve:
-                    cost = many * (more - replicates) * level.each + 0.5 * PER_TRIAL
-                    choices.append(_Choice(cost, many, more, level.each, same=True))
+                if grid is here and replicates < more <= 2 * replicates and not level.light.plan.conserve:
+                    cost = count * (more - replicates) * level.each + 0.5 * PER_TRIAL
+                    choices.append(_Choice(cost, grid, more, level.each, same=True))
         if not choices:  # so far off that the law says little
-            choices = [_Choice(0.0, 4 * count if least is not None else count, 2, 2 * level.each, same=False)]
-        choices = [choice for choice in choices if self._fits(choice.patches, choice.replicates * choice.each)]
-        return min(choices, default=None)
-
-    def _finer_and_coarser(self, level: Level) -> list[tuple[int, float]]:
-        """Other numbers of patches, and by how much discretisation grows with each.
-
-        It goes by the area-weighted mean area of a patch: small faces stay whole, and count for little.
-        """
-        faces = level.patches.grid.faces
-        area, sides = faces.area, 1 + faces.two_sided
-
-        def cut_to(size: FloatArray) -> tuple[FloatArray, FloatArray]:
-            cells = np.maximum(1.0, area / size[:, None])
-            return cells @ sides, (area / cells) @ (sides * area)
-
-        size = area @ sides / level.groups.count * 2.0 ** np.arange(-8.0, 8.0, 0.125)
-        now = size[np.argmin(np.abs(cut_to(size)[0] - level.groups.count))]
-        many, mean = cut_to(now * SIZES)
-        growth = (mean / cut_to(np.array([now]))[1]) ** AREA_POWER
-        return [(4 * int(n), float(g)) for n, g in zip(many, growth, strict=True)]
+            grid = here if groups_only else finer(here, 2)
+            choices = [_Choice(0.0, grid, 2, 2 * level.each, same=False)]
+        choices = [choice for choice in choices if self._fits(choice.grid, choice.replicates * choice.each)]
+        return min(choices, key=lambda choice: choice.cost, default=None)
 
     def _rays_for(self, level: Level, error: float, goal: float) -> int:
         """Rays of each of two replicates that bring a sampling error of the level down to a goal."""
         alone = error * math.sqrt(level.method.replicates / 2)
         return _even(level.each * (alone / goal) ** (1.0 / RAYS_POWER))
 
-    def _fits(self, count: int, rays: int) -> bool:
+    def _fits(self, grid: Grid, rays: int) -> bool:
+        count = patch_count(grid)
         return rays <= 2 * MOST_RAYS and ENTRY_BYTES * count * min(rays, count) <= self.limit
 
     def _note(self, level: Level, groups_only: bool) -> _Answer:
@@ -258,6 +227,20 @@ class _Search:
         patches = cut(self.scene, level.groups.grid)
         rtol = level.light.plan.solver.rtol
         return Found(patches, light_of_groups(level, patches, rtol, self.work), accuracy)
+
+
+def _typical_patches(faces: Faces, error: float) -> int:
+    """How many patches of a usual scene have such a discretisation error."""
+    sides = int((1 + faces.two_sided).sum())
+    return math.ceil(sides + (SIDES + sides) * (TYPICAL_SIDE / error) ** (1.0 / PATCHES_POWER))
+
+
+def _typical_rays(target: float, faces: Faces, count: int) -> int:
+    """Of a replicate, for a first trial with so many patches in a usual scene."""
+    sides = int((1 + faces.two_sided).sum())
+    discretisation = TYPICAL_SIDE * ((SIDES + sides) / max(count - sides, 1)) ** PATCHES_POWER
+    left = _beside(FIRST * target, min(discretisation, SHARE * target))
+    return _even((TYPICAL_RAY / left) ** (1.0 / RAYS_POWER))
 
 
 def _beside(total: float, part: float) -> float:

@@ -24,12 +24,22 @@ def true_error(solution, cut=4, rays=1024):
 
 
 def test_the_target_is_met_and_not_overdone():
+    """The part of patches is told within 0.6 to 1.4 in nine scenes of ten: see `grids`."""
+    told = []
+    for name in ("red_rug", "two_rooms", "corridor"):
+        solution = rad.solve(rad.scenes.BUILT_IN[name](), accuracy=0.03)
+        accuracy, error = solution.accuracy, true_error(solution)
+        assert accuracy.reached
+        assert 0.3 * accuracy.target < error < accuracy.target
+        told.append(error / accuracy.total)
+    assert min(told) > 0.6
+    assert max(told) < 1.4
+    assert 0.8 < np.exp(np.log(told).mean()) < 1.2
+
+
+def test_what_is_told_is_what_was_chosen():
     solution = rad.solve(rad.scenes.red_rug(), accuracy=0.03)
     accuracy = solution.accuracy
-    assert accuracy.reached
-    error = true_error(solution)
-    assert 0.3 * accuracy.target < error < accuracy.target
-    assert 0.75 * accuracy.total < error < 1.25 * accuracy.total
     last = accuracy.trials[-1]
     assert (last.patches, last.rays) == (len(solution.patches), solution.factors.estimator.rays)
     assert accuracy.total == np.hypot(accuracy.sampling, accuracy.discretisation) + accuracy.truncation
