@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from numpy.typing import NDArray
 from .errors import GeometryWarning, ParameterError
 from .faces import Faces, encloses, source_faces
 from .geometry import quad_centroids, quad_jacobians
+from .parallel import blocks
 from .scene import Scene
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+CENTROIDS = 1 << 16  # found at a time: what comes in between takes ten times their memory
 COUNT_SEARCH = 64  # sizes tried around the one that bisection finds
 
 
@@ -63,8 +66,8 @@ class Patches:
         Corners, counter-clockwise seen from the lit side; -1 in the last column pads a triangle.
     area : ndarray (N,)
         m².
-    normal, centroid : ndarray (N, 3)
-        Unit normal; centre of area, m.
+    normal : ndarray (N, 3)
+        Unit normal.
     surface : ndarray of int32 (N,)
         Index in `surface_names`.
     reflectance, absorptance : ndarray (N, C)
@@ -88,7 +91,6 @@ class Patches:
     faces: NDArray[np.int32]
     area: FloatArray
     normal: FloatArray
-    centroid: FloatArray
     surface: NDArray[np.int32]
     reflectance: FloatArray
     absorptance: FloatArray
@@ -117,6 +119,19 @@ class Patches:
     def corners(self) -> FloatArray:
         """Corner points (N, 4, 3), m; a triangle repeats its third corner."""
         return self.vertices[np.where(self.faces < 0, self.faces[:, [0, 1, 2, 2]], self.faces)]
+
+    @cached_property
+    def centroid(self) -> FloatArray:
+        """Centres of area (N, 3), m, found when they are first asked for."""
+        found = np.empty((len(self), 3))
+        for begin, end in blocks(len(self), CENTROIDS):
+            faces = self.faces[begin:end]
+            quad = faces[:, 3] >= 0
+            turned = np.where(quad[:, None], faces[:, [0, 3, 2, 1]], faces[:, [0, 2, 1, 3]])
+            faces = np.where(self.side[begin:end, None] < 0, turned, faces)  # both sides of a face have the same bits
+            found[begin:end][quad] = quad_centroids(self.vertices[faces[quad]])
+            found[begin:end][~quad] = self.vertices[faces[~quad, :3]].mean(axis=1)
+        return found
 
 
 def subdivide(scene: Scene, patch_count: int | None = None, patch_size: float | None = None) -> Patches:
@@ -249,7 +264,7 @@ def cut(scene: Scene, grid: Grid) -> Patches:
     first_point = np.cumsum(points) - points
     vertices = np.empty((int(points.sum()), 3))
     corner = np.empty((count, 4), dtype=np.int32)
-    area, centroid = np.empty(count), np.empty((count, 3))
+    area = np.empty(count)
     face = np.empty(count, dtype=np.int32)
     side = np.ones(count, dtype=np.int8)
     kinds, kind = np.unique(np.stack([faces.quad, grid.columns, grid.rows]), axis=1, return_inverse=True)
@@ -263,11 +278,10 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         corner[index] = np.where(cut_corner < 0, -1, cut_corner + first_point[members][:, None, None])
         area[index] = cut_area
         face[index] = members[:, None]
-        centroid[index] = _centroids(cut_vertices, cut_corner, quad == 1)
         lit = members[faces.two_sided[members]]
         front, back = (base[lit][:, None] + np.arange(cells[members[0]]) for base in (grid.front, grid.back))
         corner[back] = corner[front][..., [0, 3, 2, 1] if quad else [0, 2, 1, 3]]
-        area[back], centroid[back], face[back], side[back] = area[front], centroid[front], lit[:, None], -1
+        area[back], face[back], side[back] = area[front], lit[:, None], -1
     surface = faces.surface[face]
     normal = faces.normal[face]
     np.negative(normal, out=normal, where=side[:, None] < 0)
@@ -276,7 +290,6 @@ def cut(scene: Scene, grid: Grid) -> Patches:
         faces=corner,
         area=area,
         normal=normal,
-        centroid=centroid,
         surface=surface,
         **{name: _by_patch(scene, name, surface) for name in ("reflectance", "absorptance", "emission")},
         sky=scene.sky,
@@ -338,14 +351,6 @@ def _cut_triangles(
     corner = np.concatenate([corner, np.full((len(corner), 1), -1)], axis=1)
     area = np.repeat(faces.area[members][:, None] / columns**2, columns**2, axis=1)
     return np.einsum("pk,mkx->mpx", weights, triangles), corner[None], area
-
-
-def _centroids(vertices: FloatArray, corner: IntArray, quad: bool) -> FloatArray:
-    """Centres of area of the cells of faces of one kind, (m, cells, 3)."""
-    if not quad:
-        return vertices[:, corner[0, :, :3]].mean(axis=2)
-    cells = vertices[:, corner[0]]
-    return quad_centroids(cells.reshape(-1, 4, 3)).reshape(*cells.shape[:2], 3)
 
 
 def locate(grid: Grid, face: NDArray[np.integer], u: FloatArray, v: FloatArray, back: NDArray[np.bool_]) -> IntArray:

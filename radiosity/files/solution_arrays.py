@@ -69,11 +69,13 @@ def patches_from_arrays(reader: Reader, closed: bool, surface_names: tuple[str, 
     """
     faces = Faces(**reader.table("faces", FACES))
     grid = Grid(faces, **reader.table("grid", GRID))
-    patches = Patches(
-        **reader.table("patches", PATCHES), grid=grid, closed=closed, surface_names=surface_names, name=name
-    )
+    table = reader.table("patches", PATCHES)
+    centroid = table.pop("centroid")
+    patches = Patches(**table, grid=grid, closed=closed, surface_names=surface_names, name=name)
     _check_indices(patches)
     _check_grid(patches)
+    if not np.allclose(patches.centroid, centroid, rtol=0.0, atol=1e-9 * float(np.abs(patches.vertices).max())):
+        raise FileFormatError("patches/centroid does not agree with patches/vertices and patches/faces")
     shares = (patches.reflectance, patches.absorptance)
     good = all(((share >= 0) & (share <= 1)).all() for share in shares)
     if not (good and (patches.emission >= 0).all() and (patches.sky >= 0).all() and (patches.area > 0).all()):

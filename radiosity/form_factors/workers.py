@@ -112,7 +112,6 @@ def packed(patches: Patches, estimator: Estimator) -> bytes:
     bare = replace(
         patches,
         normal=nothing,
-        centroid=nothing,
         reflectance=nothing,
         absorptance=nothing,
         emission=np.any(patches.emission > 0, axis=1, keepdims=True),

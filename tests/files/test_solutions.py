@@ -185,6 +185,7 @@ def test_a_strangers_method_is_named_and_the_light_is_read(box, tmp_path):
         (swap("patches/area", lambda a: a[:, None]), "patches/area has shape .* expected 1 axes"),
         (swap("patches/area", np.negative), "area that no surface can have"),
         (put("patches/area", 3, np.nan), "patches/area holds values that are not finite"),
+        (put("patches/centroid", (3, 0), 7.0), "patches/centroid does not agree with patches/vertices"),
         (put("patches/reflectance", (0, 0), 1.001), "reflectance"),
         (put("patches/faces", (0, 0), 1 << 20), "patches/faces reaches"),
         (put("patches/faces", (0, 0), -1), "patches/faces reaches"),
