@@ -1,9 +1,9 @@
 """Grids whose patches can be put together two by two along each edge, and what such groups say of an error.
 
-Measured on 29 scenes, boxes, rooms with furniture and corridors, with 40 to 4000 patches each: the error of patches
-over the gap to their groups is 0.65 in the median where no large face is a group as a whole, and rises with the share
-of such: light that changes over a wall does not show in a group as large as the wall. Nine of ten lie within 0.55 to
-1.3 of what `ratios` gives for the patches, and within 0.9 to 1.2 for the groups.
+Measured in 200 cases, boxes, rooms with furniture and corridors cut into 40 to 4000 patches: the error of patches over
+the gap to their groups is 0.67 in the median where no large face is a group as a whole, and rises with the share of
+such: light that changes over a wall does not show in a group as large as the wall. Nine of ten lie within 0.59 to 1.29
+of what `ratios` gives for the patches, and within 0.87 to 1.16 for the groups.
 """
 
 from __future__ import annotations

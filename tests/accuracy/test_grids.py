@@ -8,43 +8,11 @@ import pytest
 import radiosity as rad
 from radiosity.accuracy.grids import first_grid, halved, other_grids, patch_count, ratios, says_enough
 from radiosity.faces import source_faces
-from radiosity.form_factors.merged import merged
 from radiosity.nested import finer, parents
 from radiosity.patches import cut, grid_of
+from tests.benchmarks.bench_gaps import errors_over_gap
 
 SCENES = ["cornell_box", "hidden_lamp", "cluttered_room", "integrating_sphere", "open_rug"]
-
-
-def light_of(factors, patches, group, count):
-    """Reflected light of groups of patches by the same rays, and their areas."""
-    first = np.unique(group, return_index=True)[1]
-    materials = type("Groups", (), {n: getattr(patches, n)[first] for n in ("reflectance", "absorptance", "emission")})
-    T = rad.TransportOperator(merged(factors, group, count, replicates=False), materials)
-    found = rad.Neumann(rtol=1e-5).solve(T, materials.emission, patches.sky).radiosity
-    return found - materials.emission, np.bincount(group, patches.area)
-
-
-def errors_over_gap(scene, fine, coarse):
-    """True discretisation error of patches, and of their groups, over the gap between them."""
-    patches = cut(scene, finer(fine, 4))
-    factors = rad.form_factors(patches, rad.MonteCarlo(64, seed=7))
-    true = rad.Neumann(rtol=1e-5).solve(rad.TransportOperator(factors, patches), patches.emission).radiosity
-    true -= patches.emission
-
-    def means(values, group):
-        return np.stack([np.bincount(group, v * patches.area) / np.bincount(group, patches.area) for v in values.T], 1)
-
-    def size(values, area):
-        return float(np.sqrt((area[:, None] * values**2).sum()))
-
-    of_fine, of_coarse = (parents(patches, grid) for grid in (fine, coarse))
-    light, area = light_of(factors, patches, of_fine, patch_count(fine))
-    group_light, group_area = light_of(factors, patches, of_coarse, patch_count(coarse))
-    gap = size(group_light - means(light[of_fine], of_coarse), group_area)
-    return (
-        size(light - means(true, of_fine), area) / gap,
-        size(group_light - means(true, of_coarse), group_area) / gap,
-    )
 
 
 @pytest.mark.parametrize("name", SCENES)
