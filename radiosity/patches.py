@@ -255,33 +255,9 @@ def _steps_for_count(faces: Faces, patch_count: int) -> tuple[IntArray, IntArray
 
 
 def cut(scene: Scene, grid: Grid) -> Patches:
-    """Make the patches of all faces, those of equal steps at once."""
+    """Make the patches of all faces."""
     faces = grid.faces
-    count = int((grid.cells * (1 + faces.two_sided)).sum())
-    cells = grid.cells
-    columns, rows = grid.columns.astype(np.int64), grid.rows.astype(np.int64)
-    points = np.where(faces.quad, (columns + 1) * (rows + 1), (columns + 1) * (columns + 2) // 2)
-    first_point = np.cumsum(points) - points
-    vertices = np.empty((int(points.sum()), 3))
-    corner = np.empty((count, 4), dtype=np.int32)
-    area = np.empty(count)
-    face = np.empty(count, dtype=np.int32)
-    side = np.ones(count, dtype=np.int8)
-    kinds, kind = np.unique(np.stack([faces.quad, grid.columns, grid.rows]), axis=1, return_inverse=True)
-    for k, (quad, *steps) in enumerate(kinds.T.tolist()):
-        members = np.flatnonzero(kind.ravel() == k)
-        cut = _cut_quads if quad else _cut_triangles
-        cut_vertices, cut_corner, cut_area = cut(faces, members, *steps)
-        at = first_point[members][:, None] + np.arange(cut_vertices.shape[1])
-        vertices[at] = cut_vertices
-        index = grid.front[members][:, None] + np.arange(cells[members[0]])
-        corner[index] = np.where(cut_corner < 0, -1, cut_corner + first_point[members][:, None, None])
-        area[index] = cut_area
-        face[index] = members[:, None]
-        lit = members[faces.two_sided[members]]
-        front, back = (base[lit][:, None] + np.arange(cells[members[0]]) for base in (grid.front, grid.back))
-        corner[back] = corner[front][..., [0, 3, 2, 1] if quad else [0, 2, 1, 3]]
-        area[back], face[back], side[back] = area[front], lit[:, None], -1
+    vertices, corner, area, face, side = _shapes(grid)
     surface = faces.surface[face]
     normal = faces.normal[face]
     np.negative(normal, out=normal, where=side[:, None] < 0)
@@ -302,6 +278,32 @@ def cut(scene: Scene, grid: Grid) -> Patches:
     )
 
 
+def _shapes(
+    grid: Grid,
+) -> tuple[FloatArray, NDArray[np.int32], FloatArray, NDArray[np.int32], NDArray[np.int8]]:
+    """Vertices (V, 3), corners (N, 4), area, face and side (N,) each: faces of equal steps are cut at once."""
+    faces, cells = grid.faces, grid.cells
+    count = int((cells * (1 + faces.two_sided)).sum())
+    columns, rows = grid.columns.astype(np.int64), grid.rows.astype(np.int64)
+    points = np.where(faces.quad, (columns + 1) * (rows + 1), (columns + 1) * (columns + 2) // 2)
+    first_point = np.cumsum(points) - points
+    vertices, corner, area = np.empty((int(points.sum()), 3)), np.empty((count, 4), dtype=np.int32), np.empty(count)
+    face, side = np.empty(count, dtype=np.int32), np.ones(count, dtype=np.int8)
+    kinds, kind = np.unique(np.stack([faces.quad, grid.columns, grid.rows]), axis=1, return_inverse=True)
+    for k, (quad, *steps) in enumerate(kinds.T.tolist()):
+        members = np.flatnonzero(kind.ravel() == k)
+        cut_vertices, cut_corner, cut_area = (_cut_quads if quad else _cut_triangles)(faces, members, *steps)
+        vertices[first_point[members][:, None] + np.arange(cut_vertices.shape[1])] = cut_vertices
+        index = grid.front[members][:, None] + np.arange(cells[members[0]])
+        corner[index] = np.where(cut_corner < 0, -1, cut_corner + first_point[members][:, None, None])
+        area[index], face[index] = cut_area, members[:, None]
+        lit = members[faces.two_sided[members]]
+        front, back = (base[lit][:, None] + np.arange(cells[members[0]]) for base in (grid.front, grid.back))
+        corner[back] = corner[front][..., [0, 3, 2, 1] if quad else [0, 2, 1, 3]]
+        area[back], face[back], side[back] = area[front], lit[:, None], -1
+    return vertices, corner, area, face, side
+
+
 def _by_patch(scene: Scene, what: str, surface: NDArray[np.int32]) -> FloatArray:
     """A property of the materials, (N, C); most patches emit nothing, and zeros that nobody writes take no memory."""
     channels = scene.channels
@@ -309,7 +311,7 @@ def _by_patch(scene: Scene, what: str, surface: NDArray[np.int32]) -> FloatArray
     some: BoolArray = np.any(of_surface != 0.0, axis=1)
     if some.all():
         return np.asarray(of_surface[surface])
-    of_patch = np.zeros((len(surface), scene.channels))
+    of_patch = np.zeros((len(surface), channels))
     these = np.flatnonzero(some[surface])
     of_patch[these] = of_surface[surface[these]]
     return of_patch

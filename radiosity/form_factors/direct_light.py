@@ -283,60 +283,76 @@ def _disagree(met: NDArray[np.int32], weight: FloatArray) -> NDArray[np.bool_]:
 
 @kernel
 def _collect(row, emitter, factor, undecided, first, more, counted, places):  # type: ignore[no-untyped-def]
-    """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches.
+    """Row lengths, columns in order, and weights: each pair's exact factor × visibility over the emitter's patches."""
+    rows = counted.lengths.shape[0]
+    most = first.met.size + more.met.size + counted.indices.shape[0]
+    lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
+    tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
+    run = np.zeros((len(places.emitting) >> 6) + 1, np.bool_)  # whether any of 64 are known: few of all that emit
+    filled = p = looked = end = 0
+    for k in range(rows):
+        start, begin, found = filled, end, False
+        end += counted.lengths[k]
+        while p < row.shape[0] and row[p] == k:
+            met, weight = first.met[p], first.kernel[p]
+            if undecided[p]:
+                met, weight = more.met[looked], more.kernel[looked]
+                looked += 1
+            if _share_out(met, weight, factor[p], emitter[p], begin, end, counted, places, tally, known, run):
+                found = True
+            p += 1
+        if found:
+            filled = _take(tally, known, run, places.emitting, indices, weights, filled)
+        lengths[k] = filled - start
+    return lengths, indices[:filled].copy(), weights[:filled].copy()
+
+
+@kernel(inline="always")
+def _share_out(met, weight, factor, emitter, begin, end, counted, places, tally, known, run):  # type: ignore[no-untyped-def]
+    """Add one pair's factor × visibility to the emitter's patches, if any is seen.
 
     Which of them gets how much is what the shadow rays that got through and the sampling rays that met the emitter
     say together. Both are right on average; they count as n : C, where n = (Σ k)² / Σ k² is how many rays of equal
     kernels the shadow rays are worth (Kish 1965), and C sampling rays met it: many, if it is large.
     """
-    rows = counted.lengths.shape[0]
-    most = first.met.size + more.met.size + counted.indices.shape[0]
-    lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
     of_patch, place = places.of_patch, places.place
-    tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
-    run = np.zeros((len(places.emitting) >> 6) + 1, np.bool_)  # whether any of 64 are known: few of all that emit
-    filled = p = looked = end = 0
-    for k in range(rows):
-        start, found = filled, False
-        begin, end = end, end + counted.lengths[k]
-        while p < row.shape[0] and row[p] == k:
-            met, kernel = first.met[p], first.kernel[p]
-            if undecided[p]:
-                met, kernel = more.met[looked], more.kernel[looked]
-                looked += 1
-            through, squares, C = 0.0, 0.0, 0
-            for r in range(met.shape[0]):
-                if met[r] >= 0:
-                    through += kernel[r]
-                    squares += kernel[r] ** 2
-            for q in range(begin, end):
-                if of_patch[counted.indices[q]] == emitter[p]:
-                    C += counted.hits[q]
-            if through > 0.0:
-                n = through * through / squares
-                share = factor[p] * through / kernel.sum() / (n + C)
-                for r in range(met.shape[0]):
-                    if met[r] >= 0 and kernel[r] > 0.0:
-                        c = place[met[r]]
-                        tally[c] += share * n * kernel[r] / through
-                        known[c] = run[c >> 6] = found = True
-                for q in range(begin, end):
-                    if of_patch[counted.indices[q]] == emitter[p]:
-                        c = place[counted.indices[q]]
-                        tally[c] += share * counted.hits[q]
-                        known[c] = run[c >> 6] = found = True
-            p += 1
-        if found:
-            for m in range(run.shape[0]):  # in the order of the patches
-                if run[m]:
-                    run[m] = False
-                    for c in range(64 * m, min(64 * m + 64, known.shape[0])):
-                        if known[c]:
-                            indices[filled], weights[filled] = places.emitting[c], tally[c]
-                            tally[c], known[c] = 0.0, False
-                            filled += 1
-        lengths[k] = filled - start
-    return lengths, indices[:filled].copy(), weights[:filled].copy()
+    through, squares, C = 0.0, 0.0, 0
+    for r in range(met.shape[0]):
+        if met[r] >= 0:
+            through += weight[r]
+            squares += weight[r] ** 2
+    for q in range(begin, end):
+        if of_patch[counted.indices[q]] == emitter:
+            C += counted.hits[q]
+    seen = through > 0.0
+    if seen:
+        n = through * through / squares
+        share = factor * through / weight.sum() / (n + C)
+        for r in range(met.shape[0]):
+            if met[r] >= 0 and weight[r] > 0.0:
+                c = place[met[r]]
+                tally[c] += share * n * weight[r] / through
+                known[c] = run[c >> 6] = True
+        for q in range(begin, end):
+            if of_patch[counted.indices[q]] == emitter:
+                c = place[counted.indices[q]]
+                tally[c] += share * counted.hits[q]
+                known[c] = run[c >> 6] = True
+    return seen
+
+
+@kernel(inline="always")
+def _take(tally, known, run, emitting, indices, weights, filled):  # type: ignore[no-untyped-def]
+    """Write what is known of a row, in the order of the patches, and forget it; how much is written by then."""
+    for m in range(run.shape[0]):
+        if run[m]:
+            run[m] = False
+            for c in range(64 * m, min(64 * m + 64, known.shape[0])):
+                if known[c]:
+                    indices[filled], weights[filled] = emitting[c], tally[c]
+                    tally[c], known[c] = 0.0, False
+                    filled += 1
+    return filled
 
 
 @kernel
