@@ -47,7 +47,7 @@ class Slider:
         self.quiet = True  # the widget says its first value by itself
         self.widget = plotter.add_slider_widget(
             self._dragged, (0.0, 1.0), value=0.0, pointa=(left, height), pointb=(left + WIDTH, height),
-            interaction_event="always", style="modern", color=FAINT, slider_width=0.05, tube_width=0.008,
+            interaction_event="always", style="modern", color=FAINT, slider_width=0.05, tube_width=0.011,
         )  # fmt: skip
         self.quiet = False
         self.look = self.widget.GetRepresentation()

@@ -53,7 +53,7 @@ def view(
     screenshot : path, optional
         Draw the window into this PNG file instead; needs no display.
     size : (int, int)
-        Pixels.
+        Pixels. A window that the screen would not hold is made smaller.
     **settings
         Fields of `ViewState` to start with, such as ``order=2, exposure=1.0``.
 
@@ -175,7 +175,10 @@ class Window:
     def _open(self, off_screen: bool, size: tuple[int, int], layout: dict[str, Any]) -> pv.Plotter:
         """An empty window. Lectures, which go from scene to scene, empty the one that they have."""
         title = "Radiosity, bounce by bounce"
-        return pv.Plotter(off_screen=off_screen, window_size=list(size), title=title, border=False, **layout)
+        plotter = pv.Plotter(off_screen=off_screen, window_size=list(size), title=title, border=False, **layout)
+        if not off_screen:
+            plotter.window_size = probe.fitted(size, plotter.render_window.GetScreenSize() or (0, 0))
+        return plotter
 
     def _listen(self) -> None:
         """Take all keys from VTK, whose own would turn the scene to wireframe or close the window."""

@@ -195,3 +195,21 @@ def test_pick_dome_walk_and_turn(screen: Screen) -> None:
     count = len(screen.lines)
     screen.drag((900, 250), (960, 270))  # turns the scene: nothing of the state
     assert len(screen.lines) == count or screen.state.picked == first
+
+
+LARGE = """
+import radiosity as rad
+from radiosity.viewer.window import Window
+
+window = Window(rad.solve(rad.scenes.red_rug(), patch_count=100, bounces=2), size=(1600, 900))
+window.plotter.show(interactive_update=True)
+print(*window.plotter.render_window.GetSize())
+window.close()
+"""
+
+
+def test_a_window_larger_than_the_screen_is_made_to_fit(screen: Screen) -> None:
+    command = [sys.executable, "-c", LARGE]
+    said = subprocess.run(command, env=screen.environment, check=True, timeout=180, capture_output=True, text=True)
+    width, height = map(int, said.stdout.split()[-2:])
+    assert (width, height) == (1216, 684)
