@@ -35,7 +35,8 @@ IntArray = NDArray[np.int64]
 Entries = tuple[IntArray, NDArray[np.int32], FloatArray]
 
 FIRST = 16  # shadow rays sent first, to see whether they agree, or one in so many if that is more
-CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners
+CORNER_RAYS = 16  # sent first, too: a shadow's edge between two quads parts their corners, …
+CORNER = 1 << 20  # … each so much of 2³² inside: at the rim of an emitter a ray may meet the face next to it
 COSTLY = 4.0  # first shadow rays over the larger of the budgets, above which emitters are too many to look at each
 NEGLIGIBLE = 1e-14  # a form factor that is rounding
 SMALL_EMITTER = 1e-3  # of the scene's diagonal: an emitter's edge below which rays are aimed off its rim …
@@ -219,8 +220,8 @@ def _aimed_at(table: FaceTable) -> FaceTable:
 
 def _corner_points() -> NDArray[np.uint32]:
     """Every corner of a patch with every corner of an emitter, as fractions of 32 bits (4, CORNER_RAYS)."""
-    bits = np.arange(CORNER_RAYS)[None, :] >> np.arange(4)[:, None] & 1
-    return (bits * 0xFFFFFFFF).astype(np.uint32)
+    far = np.arange(CORNER_RAYS)[None, :] >> np.arange(4)[:, None] & 1
+    return np.where(far, (1 << 32) - CORNER, CORNER).astype(np.uint32)
 
 
 class _Ground(NamedTuple):

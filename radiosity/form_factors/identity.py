@@ -16,7 +16,7 @@ from .assembly import Float
 if TYPE_CHECKING:
     from .estimate import Estimator
 
-LAYOUT = 1  # of rows; another one when rows of the same parameters come to be made in another way
+LAYOUT = 2  # of rows; another one when rows of the same parameters come to be made in another way
 LIBRARIES = ("embreex", "numba", "numpy", "scipy")  # another version may round another way
 
 

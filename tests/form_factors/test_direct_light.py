@@ -280,6 +280,17 @@ def test_the_kernel_that_merges_and_its_readable_twin_agree():
     assert all((np.diff(part) > 0).all() for part in np.split(indices, np.cumsum(lengths)[:-1]))
 
 
+@pytest.mark.parametrize(("inside", "least", "most"), [(direct_light.CORNER, 1.0, 1.1), (1, 8.0, 9.0)])
+def test_lamps_of_many_faces_side_by_side_hide_nothing_from_each_other(monkeypatch, inside, least, most):
+    """In a sphere all see all: the first rays are enough. At the very corners they meet neighbours (a control)."""
+    monkeypatch.setattr(direct_light, "CORNER", inside)
+    patches = rad.subdivide(rad.scenes.integrating_sphere())
+    emitters = int((patches.emission > 0).any(axis=1).sum())
+    factors = rad.form_factors(patches, rad.MonteCarlo(512, light_rays=256))
+    of_first = emitters * (len(patches) - 1) * (first_rays(256) + direct_light.CORNER_RAYS)
+    assert least <= factors.statistics["rays/to emitters"] / of_first < most
+
+
 @pytest.mark.parametrize(
     ("kwargs", "message"),
     [({"light_rays": -1}, "light_rays is -1"), ({"rays": 64, "light_rays": 10, "replicates": 4}, "multiple")],
