@@ -27,7 +27,10 @@ MOST_WHOLE, MOST_UNCUT = 0.5, 0.5  # shares of the area up to which a gap says e
 CUT = 1.4  # sizes of a patch in an edge, from which on it is cut
 AREA_POWER = 0.6  # how discretisation falls with the area of a patch
 STEP = 1.1  # from one size of patches to the next that is thought of
-FINEST, COARSEST = 24, -8  # steps from a grid to others: a tenth of its patches' edge, twice as long
+FINEST, COARSEST = (
+    12,
+    -8,
+)  # steps from a grid to others: ten times as many patches, a fifth; further off little is known
 
 
 def halved(grid: Grid) -> Grid:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AccuracyWarning, ParameterError
+from ..errors import AccuracyWarning, MemoryLimitError, ParameterError
 from ..faces import Faces, source_faces
 from ..memory import limit_bytes
 from ..nested import finer
@@ -35,7 +35,8 @@ SIDES = 80  # … so many more
 PATCHES_POWER = 0.6  # how it falls with more patches than there are sides
 SHARE = 0.65  # of the target: discretisation that the first trial is made for
 FIRST = 0.92  # of the target: what a first trial is made for, in all
-PILOT = 0.008  # target below which a first trial only shows what will do, …
+MANY_SIDES = 300  # beyond which only one in three counts: they are small, and cut for the sake of few
+PILOT, MANY_RAYS = 0.008, 1e8  # target below which, and rays above which, a first trial only shows what will do, …
 PILOT_RAYS = 32  # … with so many rays in a replicate
 ELSEWHERE = 1.1  # of the discretisation error foretold for other patches, to be safe
 LEAST_RAYS, MOST_RAYS = 16, 1 << 16  # of a replicate
@@ -121,10 +122,11 @@ class _Search:
 
     def free(self) -> Found:
         """Patches as many as it takes."""
-        pilot = self.target < PILOT
         faces = source_faces(self.scene)
-        fine = first_grid(faces, _typical_patches(faces, SHARE * self.target * (2 if pilot else 1)))
-        each = PILOT_RAYS if pilot else _typical_rays(self.target, faces, patch_count(fine))
+        fine = first_grid(faces, _typical_patches(faces, SHARE * self.target))
+        each = _typical_rays(self.target, faces, patch_count(fine))
+        if self.target < PILOT or 2 * each * patch_count(fine) > MANY_RAYS:
+            fine, each = first_grid(faces, _typical_patches(faces, 2 * SHARE * self.target)), PILOT_RAYS
         level = self._level(fine, halved(fine), each)
         return self._refined(level, groups_only=False)
 
@@ -141,13 +143,25 @@ class _Search:
             choice = None if hopeless else self._choose(level, groups_only)
             if choice is None:
                 break
-            if choice.same:
-                level = with_replicates(level, choice.replicates, self.work)
-            else:
-                coarse = level.groups.grid if choice.grid is level.patches.grid else halved(choice.grid)
-                level = self._level(choice.grid, coarse, choice.each)
+            try:
+                level = self._next(level, choice)
+            except MemoryLimitError:  # more than was thought: what takes half as much is looked for
+                self.limit /= 2
+                continue
             answer = self._note(level, groups_only)
         return self._end(level, answer)
+
+    def _next(self, level: Level, choice: _Choice) -> Level:
+        """The level that was chosen.
+
+        Raises
+        ------
+        MemoryLimitError
+        """
+        if choice.same:
+            return with_replicates(level, choice.replicates, self.work)
+        coarse = level.groups.grid if choice.grid is level.patches.grid else halved(choice.grid)
+        return self._level(choice.grid, coarse, choice.each)
 
     def _level(self, fine: Grid, coarse: Grid, each: int) -> Level:
         """Two replicates of so many rays from the patches of a grid."""
@@ -184,9 +198,11 @@ class _Search:
                 if grid is here and replicates < more <= 2 * replicates and not level.light.plan.conserve:
                     cost = count * (more - replicates) * level.each + 0.5 * PER_TRIAL
                     choices.append(_Choice(cost, grid, more, level.each, same=True))
-        if not choices:  # so far off that the law says little
-            grid = here if groups_only else finer(here, 2)
-            choices = [_Choice(0.0, grid, 2, 2 * level.each, same=False)]
+        if not choices and groups_only:  # so far off that the law says little
+            choices = [_Choice(0.0, here, 2, 2 * level.each, same=False)]
+        elif not choices:
+            finer_ones = [(grid, count) for grid, count, growth in others if growth < 0.9]
+            choices = [_Choice(-count, grid, 2, level.each, same=False) for grid, count in finer_ones]
         choices = [choice for choice in choices if self._fits(choice.grid, choice.replicates * choice.each)]
         return min(choices, key=lambda choice: choice.cost, default=None)
 
@@ -231,16 +247,22 @@ class _Search:
 
 def _typical_patches(faces: Faces, error: float) -> int:
     """How many patches of a usual scene have such a discretisation error."""
-    sides = int((1 + faces.two_sided).sum())
-    return math.ceil(sides + (SIDES + sides) * (TYPICAL_SIDE / error) ** (1.0 / PATCHES_POWER))
+    sides, more = _sides(faces)
+    return math.ceil(sides + more * (TYPICAL_SIDE / error) ** (1.0 / PATCHES_POWER))
 
 
 def _typical_rays(target: float, faces: Faces, count: int) -> int:
     """Of a replicate, for a first trial with so many patches in a usual scene."""
-    sides = int((1 + faces.two_sided).sum())
-    discretisation = TYPICAL_SIDE * ((SIDES + sides) / max(count - sides, 1)) ** PATCHES_POWER
+    sides, more = _sides(faces)
+    discretisation = TYPICAL_SIDE * (more / max(count - sides, 1)) ** PATCHES_POWER
     left = _beside(FIRST * target, min(discretisation, SHARE * target))
     return _even((TYPICAL_RAY / left) ** (1.0 / RAYS_POWER))
+
+
+def _sides(faces: Faces) -> tuple[int, float]:
+    """Sides of faces, and by how many more patches a usual scene has `TYPICAL_SIDE`."""
+    sides = int((1 + faces.two_sided).sum())
+    return sides, SIDES + min(sides, MANY_SIDES + sides / 3)
 
 
 def _beside(total: float, part: float) -> float:

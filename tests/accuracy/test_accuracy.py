@@ -140,10 +140,15 @@ def test_what_an_accuracy_chooses_cannot_be_given(settings, words):
         rad.solve(rad.scenes.furnace(), **settings)
 
 
-def test_memory_is_kept_to():
+@pytest.mark.parametrize("limit", [2e6, 5e6])
+def test_memory_is_kept_to(limit):
+    """What fits is tried, nothing twice, and the best answer by then is given."""
     with pytest.warns(AccuracyWarning, match="more would not fit the memory"):
-        solution = rad.solve(rad.scenes.hidden_lamp(), accuracy=0.005, memory_limit=5e6)
+        solution = rad.solve(rad.scenes.hidden_lamp(), accuracy=0.005, memory_limit=limit)
     assert not solution.accuracy.reached
+    trials = [(trial.patches, trial.rays) for trial in solution.accuracy.trials]
+    assert len(set(trials)) == len(trials)
+    assert solution.factors.nbytes < limit
 
 
 def test_progress_shows_error_against_time():
