@@ -60,6 +60,11 @@ class Faces:
         return len(self.area)
 
     @property
+    def sides(self) -> NDArray[np.int64]:
+        """How many sides of each face have patches: 2 where it is two-sided, else 1, (F,)."""
+        return 1 + self.two_sided.astype(np.int64)
+
+    @property
     def bounds(self) -> FloatArray:
         """Lowest and highest corner of the box around the faces, (2, 3)."""
         return np.stack([self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))])

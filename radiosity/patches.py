@@ -53,6 +53,11 @@ class Grid:
         """Number of patches on one side of each face, (F,)."""
         return self.columns.astype(np.int64) * self.rows
 
+    @property
+    def patch_count(self) -> int:
+        """Number of patches N, on both sides where both are cut."""
+        return int(self.cells @ self.faces.sides)
+
 
 @dataclass(frozen=True, eq=False)
 class Patches:
@@ -177,7 +182,7 @@ def grid_of(faces: Faces, patch_count: int | None = None, patch_size: float | No
 
 def grid_with(faces: Faces, columns: IntArray, rows: IntArray) -> Grid:
     """The grid of so many columns and rows on each face (F,), sides numbered one after the other."""
-    sides = 1 + faces.two_sided
+    sides = faces.sides
     cells = columns.astype(np.int64) * rows
     front = np.cumsum(cells * sides) - cells * sides
     back = np.where(faces.two_sided, front + cells, -1)
@@ -191,7 +196,7 @@ def _steps(faces: Faces, patch_count: int | None, patch_size: float | None) -> t
     if patch_count is not None:
         if patch_count < 1:
             raise ParameterError(f"patch_count is {patch_count}; give at least 1")
-        sides = int((1 + faces.two_sided).sum())
+        sides = int(faces.sides.sum())
         if sides > patch_count:
             warnings.warn(
                 f"the scene has {sides} faces (two-sided ones count twice), more than patch_count {patch_count}: "
@@ -236,7 +241,7 @@ def edges_to_cut(faces: Faces) -> tuple[FloatArray, FloatArray]:
 def _steps_for_count(faces: Faces, patch_count: int) -> tuple[IntArray, IntArray]:
     """Steps that give patches of about equal area, as near to the count as whole steps allow."""
     along, across = edges_to_cut(faces)
-    sides = 1 + faces.two_sided
+    sides = faces.sides
 
     def steps(size: float) -> tuple[IntArray, IntArray]:
         return tuple(np.maximum(1, np.rint(length / size)).astype(np.int64) for length in (along, across))  # type: ignore[return-value]
@@ -283,7 +288,7 @@ def _shapes(
 ) -> tuple[FloatArray, NDArray[np.int32], FloatArray, NDArray[np.int32], NDArray[np.int8]]:
     """Vertices (V, 3), corners (N, 4), area, face and side (N,) each: faces of equal steps are cut at once."""
     faces, cells = grid.faces, grid.cells
-    count = int((cells * (1 + faces.two_sided)).sum())
+    count = grid.patch_count
     columns, rows = grid.columns.astype(np.int64), grid.rows.astype(np.int64)
     points = np.where(faces.quad, (columns + 1) * (rows + 1), (columns + 1) * (columns + 2) // 2)
     first_point = np.cumsum(points) - points

@@ -183,7 +183,7 @@ def with_lumens(
         check_names(scene, {strangers[0]: None}, "lumens")  # says which names there are, if it is none at all
         raise ParameterError(f"lumens: {strangers[0]!r} is a material; give the flux of each surface by its own name")
     faces = source_faces(scene)
-    sides = np.bincount(faces.surface, faces.area * (1 + faces.two_sided), len(scene.surfaces))
+    sides = np.bincount(faces.surface, faces.area * faces.sides, len(scene.surfaces))
 
     def lit(surface: Surface, area: float) -> Surface:
         if surface.name not in lumens:

@@ -40,11 +40,11 @@ def halved(grid: Grid) -> Grid:
 
 def first_grid(faces: Faces, count: int) -> Grid:
     """So many patches at least, and as many as it takes for their gap to say enough."""
-    edges, enough = edges_to_cut(faces), count + 4 * _side_count(faces)
+    edges, enough = edges_to_cut(faces), count + 4 * int(faces.sides.sum())
     size = 1.5 * _usual_size(faces, count)
     while True:
         grid = _even_grid(faces, edges, size)
-        found = patch_count(grid)
+        found = grid.patch_count
         if found >= count and (says_enough(grid, halved(grid)) or found >= enough):
             return grid
         size /= STEP
@@ -53,10 +53,10 @@ def first_grid(faces: Faces, count: int) -> Grid:
 def other_grids(grid: Grid) -> Iterator[tuple[Grid, int, float]]:
     """Coarser and finer ones, how many patches each has, and by how much the discretisation error grows."""
     faces, edges = grid.faces, edges_to_cut(grid.faces)
-    size, now, last = _usual_size(faces, patch_count(grid)), _spread(grid), 0
+    size, now, last = _usual_size(faces, grid.patch_count), _spread(grid), 0
     for power in range(COARSEST, FINEST + 1):
         other = _even_grid(faces, edges, size * STEP**-power)
-        count = patch_count(other)
+        count = other.patch_count
         if count != last and says_enough(other, halved(other)):
             yield other, count, _spread(other) / now
         last = count
@@ -64,20 +64,22 @@ def other_grids(grid: Grid) -> Iterator[tuple[Grid, int, float]]:
 
 def says_enough(fine: Grid, coarse: Grid) -> bool:
     """Whether the gap between the patches of two grids says something of their error."""
-    return _large_whole(coarse) <= MOST_WHOLE and _uncut(fine, coarse) <= MOST_UNCUT
+    return large_whole(coarse) <= MOST_WHOLE and _uncut(fine, coarse) <= MOST_UNCUT
 
 
 def ratios(fine: Grid, coarse: Grid) -> tuple[float, float]:
     """Discretisation error of patches, and of groups of them, over the gap between the two."""
-    whole = _large_whole(coarse)
+    whole = large_whole(coarse)
     uncut = min(_uncut(fine, coarse), 0.99)
     of_fine = math.hypot(FINE + FINE_WHOLE * whole, UNCUT * math.sqrt(uncut / (1.0 - uncut)))
     return of_fine, COARSE + COARSE_WHOLE * whole
 
 
-def patch_count(grid: Grid) -> int:
-    """Of all faces, both sides where both are cut."""
-    return int(grid.cells @ (1 + grid.faces.two_sided))
+def large_whole(coarse: Grid) -> float:
+    """Share of all area in large faces that are one group each."""
+    area = _areas(coarse.faces)
+    these = (coarse.cells == 1) & (coarse.faces.area >= LARGE * area.sum())
+    return float(area[these].sum() / area.sum())
 
 
 def _half(steps: NDArray[np.int32]) -> NDArray[np.int64]:
@@ -90,31 +92,25 @@ def _even_grid(faces: Faces, edges: tuple[FloatArray, FloatArray], size: float) 
     return grid_with(faces, *(np.where(n < CUT, 1, 2 * np.maximum(1, np.rint(n / 2))).astype(np.int64) for n in steps))
 
 
-def _side_count(faces: Faces) -> int:
-    return int((1 + faces.two_sided).sum())
+def _areas(faces: Faces) -> FloatArray:
+    """Of all sides of each face, (F,), m²."""
+    return faces.area * faces.sides
 
 
 def _usual_size(faces: Faces, count: int) -> float:
     """Edge of a square, if so many of them made up all area, m."""
-    return math.sqrt(float(faces.area @ (1 + faces.two_sided)) / count)
+    return math.sqrt(float(_areas(faces).sum()) / count)
 
 
 def _spread(grid: Grid) -> float:
     """What the discretisation error goes by: squares of the patches' edges to its power, in the mean over the area."""
-    area = grid.faces.area * (1 + grid.faces.two_sided)
+    area = _areas(grid.faces)
     along, across = edges_to_cut(grid.faces)
     square = ((along / grid.columns) ** 2 + (across / grid.rows) ** 2) / 2
     return math.sqrt(float(area @ square ** (2 * AREA_POWER)) / float(area.sum()))
 
 
-def _large_whole(coarse: Grid) -> float:
-    """Share of all area in large faces that are one group each."""
-    area = coarse.faces.area * (1 + coarse.faces.two_sided)
-    these = (coarse.cells == 1) & (coarse.faces.area >= LARGE * area.sum())
-    return float(area[these].sum() / area.sum())
-
-
 def _uncut(fine: Grid, coarse: Grid) -> float:
     """Share of all area in faces that have one group for each patch."""
-    area = coarse.faces.area * (1 + coarse.faces.two_sided)
+    area = _areas(coarse.faces)
     return float(area[fine.cells == coarse.cells].sum() / area.sum())

@@ -107,6 +107,13 @@ class Level(NamedTuple):
         return ratios(self.patches.grid, self.groups.grid)
 
     @property
+    def method_of_groups(self) -> MonteCarlo:
+        """As many rays as a group has in the mean: those of one, two or four patches."""
+        many, runs = len(self.patches) / self.groups.count, self.method.replicates
+        rays, light_rays = (runs * int(many * (n // runs)) for n in (self.method.rays, self.method.light_rays))
+        return replace(self.method, rays=rays, light_rays=light_rays)
+
+    @property
     def each(self) -> int:
         """Rays of a replicate."""
         return self.method.rays // self.method.replicates
@@ -143,8 +150,7 @@ def with_replicates(level: Level, replicates: int, work: Work) -> Level:
 
 def light_of_groups(level: Level, patches: Patches, rtol: float, work: Work) -> Light:
     """The light of the groups as patches of their own, from the same rays."""
-    method = level.method
-    method = replace(method, rays=4 * method.rays, light_rays=4 * method.light_rays)
+    method = level.method_of_groups
     factors = replace(merged(level.light.factors, level.groups.parent, level.groups.count), estimator=method)
     return light(make_plan(patches, method, rtol=rtol), None, work, factors)
 

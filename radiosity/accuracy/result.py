@@ -12,7 +12,9 @@ class Trial:
 
     Attributes
     ----------
-    patches, rays, light_rays : int
+    patches : int
+    rays, light_rays : int
+        For each patch; the mean where small faces have fewer.
     sampling, discretisation, truncation : float
         Errors as they were estimated by then, relative.
     seconds : float

@@ -22,7 +22,7 @@ from ..patches import Grid, Patches, cut
 from ..plan.work import Light, Work
 from ..scene import Scene
 from ..solvers import Neumann
-from .grids import first_grid, halved, other_grids, patch_count
+from .grids import first_grid, halved, other_grids
 from .levels import Level, groups_of, light_of_groups, method_of, solve_level, with_replicates
 from .result import Accuracy, Trial
 
@@ -35,7 +35,7 @@ SIDES = 80  # … so many more
 PATCHES_POWER = 0.6  # how it falls with more patches than there are sides
 SHARE = 0.65  # of the target: discretisation that the first trial is made for
 FIRST = 0.92  # of the target: what a first trial is made for, in all
-MANY_SIDES = 300  # beyond which only one in three counts: they are small, and cut for the sake of few
+MANY_SIDES = 300  # of faces: where there are more, no more count for that than these and a third of all
 PILOT, MANY_RAYS = 0.008, 1e8  # target below which, and rays above which, a first trial only shows what will do, …
 PILOT_RAYS = 32  # … with so many rays in a replicate
 ELSEWHERE = 1.1  # of the discretisation error foretold for other patches, to be safe
@@ -124,8 +124,8 @@ class _Search:
         """Patches as many as it takes."""
         faces = source_faces(self.scene)
         fine = first_grid(faces, _typical_patches(faces, SHARE * self.target))
-        each = _typical_rays(self.target, faces, patch_count(fine))
-        if self.target < PILOT or 2 * each * patch_count(fine) > MANY_RAYS:
+        each = _typical_rays(self.target, faces, fine.patch_count)
+        if self.target < PILOT or 2 * each * fine.patch_count > MANY_RAYS:
             fine, each = first_grid(faces, _typical_patches(faces, 2 * SHARE * self.target)), PILOT_RAYS
         level = self._level(fine, halved(fine), each)
         return self._refined(level, groups_only=False)
@@ -198,11 +198,9 @@ class _Search:
                 if grid is here and replicates < more <= 2 * replicates and not level.light.plan.conserve:
                     cost = count * (more - replicates) * level.each + 0.5 * PER_TRIAL
                     choices.append(_Choice(cost, grid, more, level.each, same=True))
-        if not choices and groups_only:  # so far off that the law says little
-            choices = [_Choice(0.0, here, 2, 2 * level.each, same=False)]
-        elif not choices:
-            finer_ones = [(grid, count) for grid, count, growth in others if growth < 0.9]
-            choices = [_Choice(-count, grid, 2, level.each, same=False) for grid, count in finer_ones]
+        if not choices:  # so far off that the laws say little: the finest that is thought of, or more rays
+            choices = [_Choice(-n, grid, 2, level.each, same=False) for grid, n, growth in others if growth < 0.9]
+            choices += [_Choice(0.0, here, 2, 2 * level.each, same=False)] if groups_only else []
         choices = [choice for choice in choices if self._fits(choice.grid, choice.replicates * choice.each)]
         return min(choices, key=lambda choice: choice.cost, default=None)
 
@@ -212,18 +210,18 @@ class _Search:
         return _even(level.each * (alone / goal) ** (1.0 / RAYS_POWER))
 
     def _fits(self, grid: Grid, rays: int) -> bool:
-        count = patch_count(grid)
+        count = grid.patch_count
         return rays <= 2 * MOST_RAYS and ENTRY_BYTES * count * min(rays, count) <= self.limit
 
     def _note(self, level: Level, groups_only: bool) -> _Answer:
         """Which answer the level gives: of the patches where that is good enough, or the better one."""
         fine, coarse = self._answers(level)
         answer = coarse if groups_only or not (fine.total <= self.target or fine.total < coarse.total) else fine
-        count, rays, light_rays = len(level.patches), level.method.rays, level.method.light_rays
+        count, method = len(level.patches), level.method
         if answer.groups:
-            count, rays, light_rays = level.groups.count, 4 * rays, 4 * light_rays
+            count, method = level.groups.count, level.method_of_groups
         parts = answer.sampling, answer.discretisation, level.truncation
-        self.trials.append(Trial(count, rays, light_rays, *parts, time.perf_counter() - self.began))
+        self.trials.append(Trial(count, method.rays, method.light_rays, *parts, time.perf_counter() - self.began))
         done = round(100 * min(1.0, self.target / max(answer.total, 1e-12)))
         self.work.tell(f"{answer.total:.2%} error", done, 100)
         return answer
@@ -261,7 +259,7 @@ def _typical_rays(target: float, faces: Faces, count: int) -> int:
 
 def _sides(faces: Faces) -> tuple[int, float]:
     """Sides of faces, and by how many more patches a usual scene has `TYPICAL_SIDE`."""
-    sides = int((1 + faces.two_sided).sum())
+    sides = int(faces.sides.sum())
     return sides, SIDES + min(sides, MANY_SIDES + sides / 3)
 
 

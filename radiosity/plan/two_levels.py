@@ -35,7 +35,7 @@ def serve(patches: Patches, least_absorbed: float, rows_made: NDArray[np.bool_])
         Rows that one matrix would need.
     """
     faces = patches.grid.faces
-    sides = int((1 + faces.two_sided).sum())
+    sides = int(faces.sides.sum())
     if len(patches) < max(LEAST, LEAST_EACH * sides) or least_absorbed < LEAST_ABSORBED:
         return False
     if patches.sky.any() and not patches.closed:

@@ -47,6 +47,16 @@ def test_what_is_told_is_what_was_chosen():
     assert f"accuracy: error about {accuracy.total:.2%}, 3% asked for (sampling " in str(solution)
 
 
+def test_groups_say_how_many_rays_they_have_in_the_mean():
+    """Groups are of one, two or four patches: four times as many rays for all, as it once said, would be untrue."""
+    solution = rad.solve(rad.scenes.cornell_box(), accuracy=0.05)
+    last, traced = solution.accuracy.trials[-1], solution.factors.statistics["rays/traced"]
+    assert last.rays == solution.factors.estimator.rays
+    assert last.rays * last.patches == pytest.approx(traced, rel=0.02)
+    given = rad.solve(rad.scenes.cornell_box(), accuracy=0.05, patch_count=100)
+    assert given.factors.estimator.rays * len(given.patches) == given.factors.statistics["rays/traced"]
+
+
 def test_each_part_is_an_estimate_of_its_own_error():
     """On the same patches more rays lower the sampling error as it is told; bounces cut off are told as truncation."""
     solution = rad.solve(rad.scenes.red_rug(), accuracy=0.03)

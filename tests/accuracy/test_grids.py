@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import radiosity as rad
-from radiosity.accuracy.grids import first_grid, halved, other_grids, patch_count, ratios, says_enough
+from radiosity.accuracy.grids import first_grid, halved, other_grids, ratios, says_enough
 from radiosity.faces import source_faces
 from radiosity.nested import finer, parents
 from radiosity.patches import cut, grid_of
@@ -20,11 +20,11 @@ SCENES = ["cornell_box", "hidden_lamp", "cluttered_room", "integrating_sphere", 
 def test_a_first_grid_has_groups_that_say_enough(name, count):
     faces = source_faces(rad.scenes.BUILT_IN[name]())
     grid = first_grid(faces, count)
-    assert patch_count(grid) >= count
+    assert grid.patch_count >= count
     assert says_enough(grid, halved(grid))
     for steps in (grid.columns, grid.rows):
         assert np.all((steps == 1) | (steps % 2 == 0))
-    assert patch_count(halved(grid)) < patch_count(grid)
+    assert halved(grid).patch_count < grid.patch_count
 
 
 def test_every_patch_lies_in_a_group_of_one_two_or_four():
@@ -32,16 +32,16 @@ def test_every_patch_lies_in_a_group_of_one_two_or_four():
     grid = first_grid(source_faces(scene), 700)
     members = np.bincount(parents(cut(scene, grid), halved(grid)))
     assert set(members) == {1, 2, 4}
-    assert len(members) == patch_count(halved(grid))
+    assert len(members) == halved(grid).patch_count
 
 
 def test_other_grids_are_coarser_and_finer_and_their_error_is_foretold_to_fall():
     grid = first_grid(source_faces(rad.scenes.cornell_box()), 300)
     counts, growths = zip(*((count, growth) for _, count, growth in other_grids(grid)), strict=True)
-    assert counts[0] < patch_count(grid) < counts[-1]
-    assert 8 * patch_count(grid) < counts[-1] < 12 * patch_count(grid)
+    assert counts[0] < grid.patch_count < counts[-1]
+    assert 8 * grid.patch_count < counts[-1] < 12 * grid.patch_count
     assert growths[0] > 1.0 > growths[-1]
-    by_area = (patch_count(grid) / counts[-1]) ** 0.6
+    by_area = (grid.patch_count / counts[-1]) ** 0.6
     assert growths[-1] == pytest.approx(by_area, rel=0.15)  # all faces are cut there, and of one size
 
 

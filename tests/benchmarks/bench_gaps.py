@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import radiosity as rad
-from radiosity.accuracy.grids import first_grid, halved, patch_count, ratios
+from radiosity.accuracy.grids import first_grid, halved, large_whole, ratios
 from radiosity.faces import source_faces
 from radiosity.form_factors import FormFactors
 from radiosity.form_factors.merged import merged
@@ -30,7 +30,7 @@ MOST = 40_000  # patches of the truth
 
 def errors_over_gap(scene: rad.Scene, fine: Grid, coarse: Grid) -> tuple[float, float]:
     """True discretisation errors of patches and of their groups, over the gap between the two."""
-    patches = cut(scene, finer(fine, 4 if 16 * patch_count(fine) <= MOST else 3))
+    patches = cut(scene, finer(fine, 4 if 16 * fine.patch_count <= MOST else 3))
     factors = rad.form_factors(patches, rad.MonteCarlo(64, seed=7))
     true = _reflected(factors, patches, patches.sky)
     (own, group), (light, group_light) = zip(
@@ -69,13 +69,11 @@ def cases(scene: rad.Scene) -> Iterator[tuple[float, tuple[float, float], tuple[
     faces, last = source_faces(scene), 0
     for factor in 1.3 ** np.arange(1, 11):
         fine = first_grid(faces, int(max(40, len(faces)) * factor))
-        count, coarse = patch_count(fine), halved(fine)
+        count, coarse = fine.patch_count, halved(fine)
         if count < 1.2 * last or 9 * count > MOST:
             continue
         last = count
-        area = faces.area * (1 + faces.two_sided)
-        whole = area[(coarse.cells == 1) & (faces.area >= 0.01 * area.sum())].sum() / area.sum()
-        yield whole, errors_over_gap(scene, fine, coarse), ratios(fine, coarse)
+        yield large_whole(coarse), errors_over_gap(scene, fine, coarse), ratios(fine, coarse)
 
 
 def main() -> None:
