@@ -132,6 +132,14 @@ class _Places(NamedTuple):
     emitting: NDArray[np.int32]
 
 
+class _Row(NamedTuple):
+    """Being made: what each emitting patch gets (M,), whether it is known, and whether any of 64 are: few of all."""
+
+    share: FloatArray
+    known: NDArray[np.bool_]
+    run: NDArray[np.bool_]
+
+
 class DirectLight:
     """Factors from patches to emitters.
 
@@ -288,8 +296,8 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
     rows = counted.lengths.shape[0]
     most = first.met.size + more.met.size + counted.indices.shape[0]
     lengths, indices, weights = np.zeros(rows, np.int64), np.empty(most, np.int32), np.empty(most)
-    tally, known = np.zeros(len(places.emitting)), np.zeros(len(places.emitting), np.bool_)
-    run = np.zeros((len(places.emitting) >> 6) + 1, np.bool_)  # whether any of 64 are known: few of all that emit
+    emitting = len(places.emitting)
+    made = _Row(np.zeros(emitting), np.zeros(emitting, np.bool_), np.zeros((emitting >> 6) + 1, np.bool_))
     filled = p = looked = end = 0
     for k in range(rows):
         start, begin, found = filled, end, False
@@ -299,17 +307,17 @@ def _collect(row, emitter, factor, undecided, first, more, counted, places):  # 
             if undecided[p]:
                 met, weight = more.met[looked], more.kernel[looked]
                 looked += 1
-            if _share_out(met, weight, factor[p], emitter[p], begin, end, counted, places, tally, known, run):
+            if _share_out(met, weight, factor[p], emitter[p], begin, end, counted, places, made):
                 found = True
             p += 1
         if found:
-            filled = _take(tally, known, run, places.emitting, indices, weights, filled)
+            filled = _take(made, places.emitting, indices, weights, filled)
         lengths[k] = filled - start
     return lengths, indices[:filled].copy(), weights[:filled].copy()
 
 
 @kernel(inline="always")
-def _share_out(met, weight, factor, emitter, begin, end, counted, places, tally, known, run):  # type: ignore[no-untyped-def]
+def _share_out(met, weight, factor, emitter, begin, end, counted, places, made):  # type: ignore[no-untyped-def]
     """Add one pair's factor × visibility to the emitter's patches, if any is seen.
 
     Which of them gets how much is what the shadow rays that got through and the sampling rays that met the emitter
@@ -332,26 +340,27 @@ def _share_out(met, weight, factor, emitter, begin, end, counted, places, tally,
         for r in range(met.shape[0]):
             if met[r] >= 0 and weight[r] > 0.0:
                 c = place[met[r]]
-                tally[c] += share * n * weight[r] / through
-                known[c] = run[c >> 6] = True
+                made.share[c] += share * n * weight[r] / through
+                made.known[c] = made.run[c >> 6] = True
         for q in range(begin, end):
             if of_patch[counted.indices[q]] == emitter:
                 c = place[counted.indices[q]]
-                tally[c] += share * counted.hits[q]
-                known[c] = run[c >> 6] = True
+                made.share[c] += share * counted.hits[q]
+                made.known[c] = made.run[c >> 6] = True
     return seen
 
 
 @kernel(inline="always")
-def _take(tally, known, run, emitting, indices, weights, filled):  # type: ignore[no-untyped-def]
+def _take(made, emitting, indices, weights, filled):  # type: ignore[no-untyped-def]
     """Write what is known of a row, in the order of the patches, and forget it; how much is written by then."""
+    share, known, run = made
     for m in range(run.shape[0]):
         if run[m]:
             run[m] = False
             for c in range(64 * m, min(64 * m + 64, known.shape[0])):
                 if known[c]:
-                    indices[filled], weights[filled] = emitting[c], tally[c]
-                    tally[c], known[c] = 0.0, False
+                    indices[filled], weights[filled] = emitting[c], share[c]
+                    share[c], known[c] = 0.0, False
                     filled += 1
     return filled
 

@@ -14,7 +14,6 @@ from ..errors import DisplayError
 Where = Literal["off-screen", "window"]
 
 SECONDS = 60.0  # a first import from a cold disk may take long; a hanging display must not hang us
-FRAME = 0.95  # of a screen: what is left beside a window's own frame and the desktop's bars
 INSTALL = (
     "Install the GL libraries: on Debian or Ubuntu `sudo apt-get install libgl1 libegl1 libgl1-mesa-dri libxcursor1`, "
     "on Fedora `sudo dnf install mesa-libGL mesa-libEGL mesa-dri-drivers libXcursor`."
@@ -122,18 +121,6 @@ def smoothing_samples(where: Where = "off-screen") -> int:
     run = _drawn(where, os.environ.get("DISPLAY"))
     software = run is None or any(name in run.stdout for name in ("llvmpipe", "softpipe", "swrast", "SWR"))
     return 1 if software and where == "window" else 4
-
-
-def fitted(size: tuple[int, int], screen: tuple[int, int]) -> tuple[int, int]:
-    """A window's size, smaller and of the same shape where the screen would not hold it. Zero is an unknown screen.
-
-    >>> fitted((1600, 900), (1280, 800))  # a projector in many a lecture hall
-    (1216, 684)
-    >>> fitted((1280, 720), (1280, 720))
-    (1280, 720)
-    """
-    shrink = min(there / wanted if there > 0 else 1.0 for wanted, there in zip(size, screen, strict=True))
-    return size if shrink >= 1.0 else (round(FRAME * shrink * size[0]), round(FRAME * shrink * size[1]))
 
 
 def hush() -> None:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ..solution import Solution
 
 PROJECTOR_SCALE = 1.5
+FRAME = 0.95  # of a screen: what is left beside a window's own frame and the desktop's bars
 PLAY_MILLISECONDS = 700
 TURN = 0.1  # s, that work beside the window gets at every tick
 ROWS = (0.085, 0.695, 0.22)  # titles, panes, dashboard
@@ -80,6 +81,18 @@ def view(
         save_image(screenshot, window.image())
         window.close()
     return window.state
+
+
+def fitted(size: tuple[int, int], screen: tuple[int, int]) -> tuple[int, int]:
+    """A window's size, smaller and of the same shape where the screen would not hold it. Zero is an unknown screen.
+
+    >>> fitted((1600, 900), (1280, 800))  # a projector in many a lecture hall
+    (1216, 684)
+    >>> fitted((1280, 720), (1280, 720))
+    (1280, 720)
+    """
+    shrink = min(there / wanted if there > 0 else 1.0 for wanted, there in zip(size, screen, strict=True))
+    return size if shrink >= 1.0 else (round(FRAME * shrink * size[0]), round(FRAME * shrink * size[1]))
 
 
 class Window:
@@ -177,7 +190,7 @@ class Window:
         title = "Radiosity, bounce by bounce"
         plotter = pv.Plotter(off_screen=off_screen, window_size=list(size), title=title, border=False, **layout)
         if not off_screen:
-            plotter.window_size = probe.fitted(size, plotter.render_window.GetScreenSize() or (0, 0))
+            plotter.window_size = fitted(size, plotter.render_window.GetScreenSize() or (0, 0))
         return plotter
 
     def _listen(self) -> None:
